@@ -1,0 +1,62 @@
+# Everything stepover can be asked to do. A command that needs the environment builds it first, once.
+
+PYTHON3 ?= python3.11 python3
+VENV    := .venv
+PYTHON  := $(VENV)/bin/python
+READY   := $(VENV)/.ready
+NOTEBOOKS = $(wildcard notebooks/*.ipynb)
+
+# The first of the candidates that is a Python 3.11, and, for the complaint, the first that runs at all.
+python311 = $(shell for p in $(PYTHON3); do \
+	"$$p" -c 'import sys; sys.exit(sys.version_info[:2] != (3, 11))' 2>/dev/null && echo "$$p" && break; done)
+found = $(or $(shell for p in $(PYTHON3); do "$$p" --version 2>/dev/null && break; done),no Python)
+wrong_python = stepover needs Python 3.11 (PyBullet has no wheels for later ones); found $(found); \
+call make PYTHON3=/path/to/python3.11
+
+.DEFAULT_GOAL := help
+.PHONY: help env reproduce test lab bench lint clean
+
+help:       ## list these commands
+	@sed -n 's/^\([a-z]*\): .*## \(.*\)/\1|\2/p' $(MAKEFILE_LIST) | \
+		while IFS='|' read -r name does; do printf '  make %-11s %s\n' "$$name" "$$does"; done
+
+env: $(READY)        ## set up .venv from environment.txt (the commands below do so by themselves)
+
+reproduce: $(READY)  ## run every notebook; write every figure and claim to figures/
+	$(PYTHON) -m stepover reproduce
+
+test: $(READY)       ## run the tests, the notebooks with quick parameters among them
+	$(PYTHON) -m pytest -n auto --dist loadfile
+
+lab: $(READY)        ## open JupyterLab on the notebooks
+	$(PYTHON) -m jupyterlab notebooks
+
+bench: $(READY)      ## measure how fast planning and simulation are
+	$(PYTHON) -m stepover.report.bench
+
+lint: $(READY)       ## check style, types, and that the notebooks carry no outputs
+	$(PYTHON) -m ruff check
+	$(PYTHON) -m ruff format --check
+	$(PYTHON) -m mypy
+	$(if $(NOTEBOOKS),$(PYTHON) -m nbstripout --verify $(NOTEBOOKS))
+
+clean:      ## remove build/ and the caches; keep .venv
+	rm -rf build *.egg-info .pytest_cache .mypy_cache .ruff_cache
+	find . -path ./$(VENV) -prune -o \( -name __pycache__ -o -name .ipynb_checkpoints \) -prune -exec rm -rf {} +
+
+# One thread a process: the parallelism is that of the processes, and sums come out the same on every run.
+reproduce test bench: export OMP_NUM_THREADS = 1
+reproduce test bench: export OPENBLAS_NUM_THREADS = 1
+# Not for reproduce: there the notebooks' own backend, which needs no display either, keeps the figures in their pages.
+test: export MPLBACKEND = Agg
+
+# The stamp goes before the first change and comes back after the last: without it .venv is built from nothing,
+# so that an installation that was interrupted leaves no half-installed package behind.
+$(READY): environment.txt
+	$(if $(python311),,$(error $(wrong_python)))
+	@echo "Setting up $(VENV) from environment.txt; this takes some minutes, once."
+	@test -f $@ || $(python311) -m venv --clear $(VENV)
+	@rm -f $@
+	@$(PYTHON) -m pip install -qq --disable-pip-version-check --requirement environment.txt
+	@$(PYTHON) -m pip install -qq --disable-pip-version-check --no-deps --no-build-isolation --editable .
+	@touch $@

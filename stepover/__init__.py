@@ -1,0 +1,53 @@
+"""stepover: humanoid robots that walk dynamically over large obstacles, after Stasse et al., T-RO 2009.
+
+robot = load_robot("hrp2")
+motion = plan(robot, Obstacle(height=0.15, width=0.05))
+run = simulate(motion)
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from stepover.errors import CorruptMotion, Infeasible, InvalidInput, StepOverError
+    from stepover.model.obstacle import Obstacle
+    from stepover.model.robot import Robot, load_robot
+    from stepover.motion import Motion
+    from stepover.planner import plan
+    from stepover.simulation.run import simulate
+
+__version__ = "0.1.0"
+
+_HOMES = {
+    "CorruptMotion": "stepover.errors",
+    "Infeasible": "stepover.errors",
+    "InvalidInput": "stepover.errors",
+    "Motion": "stepover.motion",
+    "Obstacle": "stepover.model.obstacle",
+    "Robot": "stepover.model.robot",
+    "StepOverError": "stepover.errors",
+    "load_robot": "stepover.model.robot",
+    "plan": "stepover.planner",
+    "simulate": "stepover.simulation.run",
+}
+__all__ = [
+    "CorruptMotion",
+    "Infeasible",
+    "InvalidInput",
+    "Motion",
+    "Obstacle",
+    "Robot",
+    "StepOverError",
+    "load_robot",
+    "plan",
+    "simulate",
+]
+
+
+def __getattr__(name: str) -> Any:
+    """Load what is asked for when it is asked for: pinocchio and PyBullet take their time."""
+    if name not in _HOMES:
+        raise AttributeError(f"module 'stepover' has no attribute {name!r}")
+    return getattr(import_module(_HOMES[name]), name)

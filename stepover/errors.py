@@ -1,0 +1,39 @@
+"""What can go wrong, as types: every error that stepover raises on purpose derives from StepOverError."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from stepover.model.obstacle import Obstacle
+
+
+class StepOverError(Exception):
+    """Base of all errors of this library."""
+
+
+class InvalidInput(StepOverError, ValueError):
+    """An argument, a file or an option that makes no sense; the message says what would."""
+
+
+class CorruptMotion(StepOverError):
+    """A motion file that cannot be read, is cut short or contradicts itself."""
+
+
+class Infeasible(StepOverError):
+    """A well-formed request that the robot cannot carry out.
+
+    Attributes:
+        constraint: what cannot be met, by how much, and when.
+        nearest: the nearest obstacle that can be stepped over, where one was looked for.
+    """
+
+    def __init__(self, constraint: str, nearest: Obstacle | None = None) -> None:
+        """Keep the binding constraint and, once known, the nearest crossable obstacle."""
+        self.constraint = constraint
+        self.nearest = nearest
+        super().__init__(constraint)
+
+    def __str__(self) -> str:
+        """One line: the constraint, then what can be crossed instead."""
+        return self.constraint if self.nearest is None else f"{self.constraint}; {self.nearest.as_advice()}"

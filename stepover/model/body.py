@@ -1,0 +1,170 @@
+"""The multi-body robot: kinematics, centre of mass and ZMP over a whole motion at once.
+
+The only door to pinocchio. The ZMP is that of the full rigid-body dynamics (RNEA), from derivatives taken on
+the manifold: central differences for velocities, second differences for accelerations. Sec. II-B, Eq. (20).
+"""
+
+from __future__ import annotations
+
+import os
+from functools import cached_property
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pinocchio as pin
+
+from stepover.errors import InvalidInput
+from stepover.model import pose
+
+
+class Placements(NamedTuple):
+    """Where the joints are: rotations (N, J, 3, 3) and positions (N, J, 3) in the world; joint 1 is the root."""
+
+    rotations: np.ndarray
+    positions: np.ndarray
+
+
+class Body:
+    """A floating-base robot read from a URDF.
+
+    Attributes:
+        joint_names: names of the joints behind q[7:], in pinocchio's order.
+        link_names: names of the links, the root first.
+        lower, upper: joint limits (nq - 7,) [rad].
+        speed_limits, effort_limits: (nq - 7,) [rad/s], [N m].
+        mass: total mass [kg].
+    """
+
+    def __init__(self, urdf: Path) -> None:
+        """Read the URDF; meshes are looked for beside it.
+
+        Raises:
+            InvalidInput: no such file, not a URDF, or a joint with more than one degree of freedom.
+        """
+        try:
+            self._model, self.geometry = pin.buildModelsFromUrdf(
+                str(urdf), package_dirs=[str(urdf.parent)], root_joint=pin.JointModelFreeFlyer(),
+                geometry_types=[pin.GeometryType.COLLISION],
+            )[:2]  # fmt: skip
+        except (ValueError, RuntimeError) as error:
+            raise InvalidInput(f"{urdf} cannot be read as a URDF: {str(error).splitlines()[0]}") from error
+        for joint in list(self._model.joints)[2:]:
+            if (joint.nq, joint.nv) != (1, 1):
+                name = self._model.names[joint.id]
+                raise InvalidInput(f"{urdf}: joint {name!r} must be revolute with limits, with one degree of freedom")
+        self.joint_names = list(self._model.names)[2:]
+        self.link_names = [frame.name for frame in self._model.frames if frame.type == pin.FrameType.BODY]
+        self.lower, self.upper = self._model.lowerPositionLimit[7:].copy(), self._model.upperPositionLimit[7:].copy()
+        self.speed_limits, self.effort_limits = self._model.velocityLimit[6:].copy(), self._model.effortLimit[6:].copy()
+        self.mass = float(pin.computeTotalMass(self._model))
+        self._masses = np.array([inertia.mass for inertia in self._model.inertias])
+        self._centres = np.array([inertia.lever for inertia in self._model.inertias])
+        self._origins = [(p.rotation.copy(), p.translation.copy()) for p in self._model.jointPlacements]
+        self._parents = list(self._model.parents)
+
+    @cached_property
+    def axes(self) -> np.ndarray:
+        """Joint axes (nq - 7, 3) in their own frames."""
+        data = self._model.createData()
+        pin.computeJointJacobians(self._model, data, pin.neutral(self._model))
+        return np.array([np.ravel(data.joints[i].S)[3:] for i in range(2, self._model.njoints)])
+
+    @property
+    def leg_mass_below(self) -> dict[str, float]:
+        """Mass [kg] that hangs on each joint."""
+        children = {i: list(self._model.subtrees[i]) for i in range(1, self._model.njoints)}
+        return {self._model.names[i]: float(self._masses[links].sum()) for i, links in children.items()}
+
+    def column(self, joint: str) -> int:
+        """Column of a joint in q, or InvalidInput."""
+        if joint not in self.joint_names:
+            raise InvalidInput(f"the URDF has no joint {joint!r}; it has {', '.join(self.joint_names)}")
+        return 7 + self.joint_names.index(joint)
+
+    def index(self, joint: str) -> int:
+        """Index of a joint in Placements, or InvalidInput."""
+        return self.column(joint) - 7 + 2
+
+    def origin(self, joint: str) -> tuple[np.ndarray, np.ndarray, str]:
+        """Fixed rotation (3, 3) and translation (3,) of a joint in its parent joint's frame, and that parent."""
+        index = self.index(joint)
+        return *self._origins[index], self._model.names[self._parents[index]]
+
+    def link_of(self, frame: int) -> str:
+        """Name of the link behind a frame of pinocchio's geometry model."""
+        return str(self._model.frames[frame].name)
+
+    def placements(self, q: np.ndarray) -> Placements:
+        """Forward kinematics of all joints over all samples: one pass along the tree, arrays over time.
+
+        Args:
+            q: (N, nq) configurations.
+        """
+        rotations = np.empty((len(q), self._model.njoints, 3, 3))
+        positions = np.empty((len(q), self._model.njoints, 3))
+        rotations[:, 0], positions[:, 0] = np.eye(3), 0.0
+        rotations[:, 1], positions[:, 1] = pose.rotation(q[:, :7]), q[:, :3]
+        for index in range(2, self._model.njoints):
+            fixed, shift = self._origins[index]
+            parent = self._parents[index]
+            base = rotations[:, parent]
+            rotations[:, index] = (base @ fixed) @ axis_rotation(self.axes[index - 2], q[:, index + 5])
+            positions[:, index] = positions[:, parent] + base @ shift
+        return Placements(rotations, positions)
+
+    def com(self, placements: Placements) -> np.ndarray:
+        """Centre of mass (N, 3) [m]."""
+        levers = np.einsum("njab,jb->nja", placements.rotations, self._centres)
+        return np.einsum("j,nja->na", self._masses, placements.positions + levers) / self.mass
+
+    def velocities(self, q: np.ndarray, dt: float) -> np.ndarray:
+        """Velocities (N, nv) by central differences on the manifold; one-sided at the ends."""
+        steps = self._steps(q)
+        return (steps[1:] + steps[:-1]) / (2.0 * dt)
+
+    def accelerations(self, q: np.ndarray, dt: float) -> np.ndarray:
+        """Accelerations (N, nv) by second differences on the manifold; zero at the ends."""
+        return np.diff(self._steps(q), axis=0) / dt**2
+
+    def contact_wrench(self, q: np.ndarray, dt: float) -> np.ndarray:
+        """Force and moment about the world's origin that the ground must give: (N, 6) [N, N m]."""
+        pool = pin.ModelPool(self._model, os.cpu_count() or 1)
+        columns = [np.asfortranarray(x.T) for x in (q, self.velocities(q, dt), self.accelerations(q, dt))]
+        torques = np.asfortranarray(np.zeros((self._model.nv, len(q))))
+        pin.rneaInParallel(os.cpu_count() or 1, pool, *columns, torques)
+        base = pose.rotation(q[:, :7])
+        force, moment = (np.einsum("nab,bn->na", base, torques[rows]) for rows in (slice(0, 3), slice(3, 6)))
+        return np.column_stack([force, moment + np.cross(q[:, :3], force)])
+
+    def zmp(self, q: np.ndarray, dt: float) -> np.ndarray:
+        """Multi-body ZMP (N, 2) [m] on the floor z = 0: where the ground's moment has no horizontal part."""
+        wrench = self.contact_wrench(q, dt)
+        return np.column_stack([-wrench[:, 4], wrench[:, 3]]) / wrench[:, 2:3]
+
+    @staticmethod
+    def _steps(q: np.ndarray) -> np.ndarray:
+        """Differences (N + 1, nv) on the manifold from each sample to the next; the first and the last one twice."""
+        rotations = pose.rotation(q[:, :7])
+        inverse = np.swapaxes(rotations[:-1], 1, 2)
+        turn = pose.Rotation.from_matrix(inverse @ rotations[1:]).as_rotvec()
+        shift = np.einsum("nab,nb->na", inverse, np.diff(q[:, :3], axis=0))
+        steps = np.column_stack([_log_translation(turn, shift), turn, np.diff(q[:, 7:], axis=0)])
+        return np.vstack([steps[:1], steps, steps[-1:]])
+
+
+def axis_rotation(axis: np.ndarray, angles: np.ndarray) -> np.ndarray:
+    """Rotations (N, 3, 3) about one unit axis (3,) by angles (N,) [rad]: Rodrigues' formula."""
+    skew = np.cross(axis, np.eye(3)).T
+    sines, cosines = np.sin(angles)[:, None, None], np.cos(angles)[:, None, None]
+    return np.eye(3) + sines * skew + (1.0 - cosines) * (skew @ skew)
+
+
+def _log_translation(turn: np.ndarray, shift: np.ndarray) -> np.ndarray:
+    """Linear part (N, 3) of the logarithm on SE(3) of a rotation vector and a translation, (N, 3) each."""
+    angle = np.linalg.norm(turn, axis=1, keepdims=True)
+    small = angle < 1e-4
+    safe = np.where(small, 1.0, angle)
+    factor = np.where(small, 1.0 / 12.0 + angle**2 / 720.0, 1.0 / safe**2 - 0.5 / (safe * np.tan(safe / 2.0)))
+    once = np.cross(turn, shift)
+    return shift - 0.5 * once + factor * np.cross(turn, once)

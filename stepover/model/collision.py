@@ -1,0 +1,161 @@
+"""Distances between the robot's links and the obstacle.
+
+The obstacle is a beam along y, so what counts is each link's profile in the x-z plane. Profiles are tested for
+all samples at once by separating axes (a lower bound of the distance, exact where it is a face that is nearest,
+and the exact depth of a penetration); coal gives the exact signed distance in 3-D for the few that may be nearest.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import coal
+import numpy as np
+from scipy.spatial import ConvexHull
+
+from stepover.errors import InvalidInput
+from stepover.model.body import Body, Placements
+from stepover.model.obstacle import LATERAL_HALF_EXTENT
+
+FLOOR_DEPTH = 1.0
+"""How far below the floor the obstacle's solid reaches [m]: no way out of a penetration leads downwards."""
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """A convex collision shape of a link.
+
+    Attributes:
+        link: name of its link.
+        joint: index of the joint that moves it, in Placements.
+        vertices: (V, 3) corners in the joint's frame [m].
+        edges: (E, 3) unit directions of its edges, one each for parallel ones.
+        solid: the same as coal's geometry, in the joint's frame.
+    """
+
+    link: str
+    joint: int
+    vertices: np.ndarray
+    edges: np.ndarray
+    solid: coal.Convex
+
+
+class Clearance(NamedTuple):
+    """Smallest signed distance [m], the link that has it, and the sample at which."""
+
+    distance: float
+    link: str
+    sample: int
+
+
+def shapes_of(body: Body) -> list[Shape]:
+    """Convex shapes of all links of the URDF, in its order."""
+    shapes = []
+    for item in body.geometry.geometryObjects:
+        vertices = _corners(item.geometry, item.name) * np.ravel(item.meshScale)
+        vertices = vertices @ item.placement.rotation.T + item.placement.translation
+        hull = ConvexHull(vertices)
+        vertices = vertices[hull.vertices]
+        link = body.link_of(item.parentFrame)
+        shapes.append(Shape(link, item.parentJoint, vertices, _edge_directions(hull), _convex(vertices)))
+    return shapes
+
+
+def profile(shape: Shape, placements: Placements) -> np.ndarray:
+    """Corners of a shape in the x-z plane: (N, V, 2) [m]."""
+    rotations = placements.rotations[:, shape.joint][:, [0, 2]]
+    return shape.vertices @ np.swapaxes(rotations, 1, 2) + placements.positions[:, None, shape.joint, [0, 2]]
+
+
+def separation(shape: Shape, placements: Placements, rectangle: np.ndarray) -> np.ndarray:
+    """Signed separation (N,) [m] of a shape from a rectangle x_min, x_max, z_min, z_max (4,) or (N, 4).
+
+    Negative: the depth of the penetration; positive: a lower bound of the distance.
+    """
+    corners = profile(shape, placements)
+    directions = shape.edges @ np.swapaxes(placements.rotations[:, shape.joint][:, [0, 2]], 1, 2)
+    lengths = np.linalg.norm(directions, axis=2, keepdims=True)
+    normals = directions[..., ::-1] * [1.0, -1.0] / np.maximum(lengths, 1e-9)
+    x_min, x_max, z_min, z_max = np.moveaxis(np.broadcast_to(rectangle, (len(corners), 4)), 1, 0)[:, :, None]
+    along = corners @ np.swapaxes(normals, 1, 2)
+    low = np.minimum(normals[..., 0] * x_min, normals[..., 0] * x_max) + np.minimum(
+        normals[..., 1] * z_min, normals[..., 1] * z_max
+    )
+    high = np.maximum(normals[..., 0] * x_min, normals[..., 0] * x_max) + np.maximum(
+        normals[..., 1] * z_min, normals[..., 1] * z_max
+    )
+    tilted = np.maximum(along.min(axis=1) - high, low - along.max(axis=1))
+    tilted = np.where(lengths[..., 0] > 1e-6, tilted, -np.inf).max(axis=1)
+    least, most = corners.min(axis=1), corners.max(axis=1)
+    square = [least[:, 0] - x_max[:, 0], x_min[:, 0] - most[:, 0], least[:, 1] - z_max[:, 0], z_min[:, 0] - most[:, 1]]
+    return np.maximum(tilted, np.max(square, axis=0))
+
+
+def clearance(shapes: list[Shape], placements: Placements, rectangle: np.ndarray) -> Clearance:
+    """Smallest distance of all links from the obstacle over a motion: broad phase by profiles, then coal."""
+    bounds = np.array([separation(shape, placements, rectangle) for shape in shapes])
+    order = np.column_stack(np.unravel_index(np.argsort(bounds, axis=None), bounds.shape))
+    best = Clearance(np.inf, "", 0)
+    for which, sample in order:
+        if bounds[which, sample] > best.distance:
+            break
+        distance = exact_distance(shapes[which], placements, int(sample), rectangle)
+        if distance < best.distance:
+            best = Clearance(distance, shapes[which].link, int(sample))
+    return best
+
+
+def exact_distance(shape: Shape, placements: Placements, sample: int, rectangle: np.ndarray) -> float:
+    """Signed distance [m] of one shape at one sample from the obstacle's solid, by coal."""
+    x_min, x_max, z_min, z_max = rectangle
+    z_min = min(z_min, -FLOOR_DEPTH)
+    beam = coal.Box(x_max - x_min, 2.0 * LATERAL_HALF_EXTENT, z_max - z_min)
+    place = coal.Transform3s(np.eye(3), np.array([(x_min + x_max) / 2.0, 0.0, (z_min + z_max) / 2.0]))
+    where = coal.Transform3s(
+        placements.rotations[sample, shape.joint].copy(), placements.positions[sample, shape.joint].copy()
+    )
+    return float(coal.distance(shape.solid, where, beam, place, coal.DistanceRequest(), coal.DistanceResult()))
+
+
+def distance_between(first: Shape, second: Shape, placements: Placements, sample: int) -> float:
+    """Signed distance [m] between two shapes of the robot at one sample, by coal."""
+    places = [
+        coal.Transform3s(placements.rotations[sample, s.joint].copy(), placements.positions[sample, s.joint].copy())
+        for s in (first, second)
+    ]
+    request, result = coal.DistanceRequest(), coal.DistanceResult()
+    return float(coal.distance(first.solid, places[0], second.solid, places[1], request, result))
+
+
+def _corners(geometry: coal.CollisionGeometry, name: str) -> np.ndarray:
+    """Corners (V, 3) of a box or a mesh."""
+    if isinstance(geometry, coal.Box):
+        signs = np.array(np.meshgrid([-1, 1], [-1, 1], [-1, 1])).reshape(3, -1).T
+        return signs * geometry.halfSide
+    if isinstance(geometry, coal.BVHModelBase):
+        return np.array(geometry.vertices())
+    raise InvalidInput(f"collision shape {name!r}: boxes and meshes are known, not {type(geometry).__name__}")
+
+
+def _convex(vertices: np.ndarray) -> coal.Convex:
+    """Convex hull (V, 3) as coal's geometry."""
+    points = coal.StdVec_Vec3s()
+    for vertex in vertices:
+        points.append(vertex)
+    return coal.ConvexBase.convexHull(points, True, "Qt")
+
+
+def _edge_directions(hull: ConvexHull) -> np.ndarray:
+    """Unit directions (E, 3) of a hull's edges, one each for parallel ones; diagonals of flat faces left out."""
+    directions: list[np.ndarray] = []
+    for triangle, neighbours, plane in zip(hull.simplices, hull.neighbors, hull.equations, strict=True):
+        for k, neighbour in enumerate(neighbours):
+            first, second = np.delete(triangle, k)
+            if np.dot(plane[:3], hull.equations[neighbour][:3]) > 1.0 - 1e-9:
+                continue
+            direction = hull.points[second] - hull.points[first]
+            direction = direction / np.linalg.norm(direction)
+            if all(abs(direction @ other) < 1.0 - 1e-9 for other in directions):
+                directions.append(direction)
+    return np.array(directions)

@@ -1,0 +1,165 @@
+"""Inverse kinematics of six-joint legs over whole trajectories at once: step 4 of Algorithm 1.
+
+One method, Leg.inverse, and two solvers behind it: a closed form where the chain is yaw-roll-pitch-knee-pitch-roll
+with its hip and ankle axes meeting (HRP-2), and a damped Newton iteration for any other six-joint leg.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from stepover.errors import Infeasible, InvalidInput
+from stepover.model import pose
+from stepover.model.body import Body, axis_rotation
+
+
+@dataclass(frozen=True, eq=False)
+class Leg:
+    """A leg from the root to the sole.
+
+    Attributes:
+        body: the robot that it belongs to.
+        side: +1 left, -1 right.
+        joints: its six joints, from the hip to the sole.
+        ankle_height: distance of the sole under the last joint [m].
+        rest: joint angles (6,) in half-sitting [rad], where the numerical solver starts.
+    """
+
+    body: Body
+    side: int
+    joints: tuple[str, ...]
+    ankle_height: float
+    rest: np.ndarray
+
+    def __post_init__(self) -> None:
+        """Refuse what is not one chain of six joints that hangs on the root."""
+        parents = ["root_joint", *self.joints[:-1]]
+        if len(self.joints) != 6 or [self.body.origin(joint)[2] for joint in self.joints] != parents:
+            raise InvalidInput(
+                f"{', '.join(self.joints)} must be the six joints of one chain from the root to the sole"
+            )
+
+    @cached_property
+    def columns(self) -> list[int]:
+        """Columns of the leg's joints in q."""
+        return [self.body.column(joint) for joint in self.joints]
+
+    @cached_property
+    def _chain(self) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+        """Fixed rotation, translation and axis of each joint."""
+        return [(*self.body.origin(joint)[:2], self.body.axes[self.body.column(joint) - 7]) for joint in self.joints]
+
+    @cached_property
+    def is_closed_form(self) -> bool:
+        """Whether the closed form applies: axes z x y y y x, hip axes meeting, ankle axes meeting."""
+        rotations, origins, axes = (np.array(part) for part in zip(*self._chain, strict=True))
+        wanted = np.eye(3)[[2, 0, 1, 1, 1, 0]]
+        meeting = [*origins[1], origins[2][0], origins[2][2], origins[5][0], origins[5][2]]
+        return np.allclose(rotations, np.eye(3)) and np.allclose(axes, wanted) and np.allclose(meeting, 0.0)
+
+    @property
+    def length(self) -> float:
+        """Thigh, shank and ankle height [m]: what the paper's 21 % and 35 % refer to."""
+        knee = next(i for i in range(1, 6) if np.linalg.norm(self._chain[i][1]) > 0.1)
+        bones = [np.linalg.norm(origin[[0, 2]]) for _, origin, _ in self._chain[knee:]]
+        return float(sum(bones)) + self.ankle_height
+
+    def sole(self, waist: np.ndarray, angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Forward kinematics: rotations (N, 3, 3) and positions (N, 3) of the sole frame."""
+        rotations, positions, _, _ = self._forward(waist, angles)
+        return rotations, positions + rotations @ [0.0, 0.0, -self.ankle_height]
+
+    def inverse(self, waist: np.ndarray, sole: np.ndarray, time: np.ndarray | None = None) -> np.ndarray:
+        """Joint angles that put the sole where it shall be. Joint limits are judged elsewhere.
+
+        Args:
+            waist: (N, 7) poses of the root.
+            sole: (N, 7) poses of the sole frame.
+            time: (N,) [s], for the message.
+
+        Returns:
+            (N, 6) joint angles [rad].
+
+        Raises:
+            Infeasible: a target is out of reach; names the joint and, with time, when.
+        """
+        angles, excess = self.attempt(waist, sole)
+        worst = int(np.argmax(excess))
+        if excess[worst] > 0.0:
+            when = f"sample {worst}" if time is None else f"t = {time[worst]:.3f} s"
+            side = "left" if self.side > 0 else "right"
+            knee = self.joints[self._knee]
+            raise Infeasible(
+                f"{knee} over-stretches: the {side} sole is {1e3 * excess[worst]:.1f} mm out of reach at {when}"
+            )
+        return angles
+
+    def attempt(self, waist: np.ndarray, sole: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """As inverse, without raising: angles (N, 6) and how far each target is out of reach (N,) [m], 0 if it is not."""
+        return self._closed_form(waist, sole) if self.is_closed_form else self._newton(waist, sole)
+
+    @property
+    def _knee(self) -> int:
+        """Position of the knee in the chain: where the middle of the leg's length is."""
+        return next(i for i in range(1, 6) if np.linalg.norm(self._chain[i][1]) > 0.1)
+
+    def _closed_form(self, waist: np.ndarray, sole: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Planar triangle hip-knee-ankle, in complex numbers z + i x: a turn by q about y is a factor exp(i q)."""
+        origins = np.array([origin for _, origin, _ in self._chain])
+        thigh, shank = (complex(origins[i][2], origins[i][0]) for i in (3, 4))
+        lateral = origins[2:, 1].sum()  # ankle beside the hip along the pitch axes
+        waist_r, foot_r = pose.rotation(waist), pose.rotation(sole)
+        hip = waist[:, :3] + waist_r @ origins[0]
+        ankle = sole[:, :3] + foot_r @ [0.0, 0.0, self.ankle_height]
+        x, y, z = np.einsum("nba,nb->an", foot_r, hip - ankle)
+        radius = np.maximum(np.hypot(y, z), abs(lateral))
+        roll = np.arctan2(y, z) + np.arcsin(lateral / radius)
+        reach = np.sqrt(radius**2 - lateral**2) + 1j * x  # from the ankle to the hip, in the leg's plane
+        longest, shortest = abs(thigh) + abs(shank), abs(abs(thigh) - abs(shank))
+        excess = np.maximum(np.maximum(abs(reach) - longest, shortest - abs(reach)), 0.0)
+        cosine = (abs(reach) ** 2 - abs(thigh) ** 2 - abs(shank) ** 2) / (2.0 * abs(thigh) * abs(shank))
+        bend = np.sign(self.rest[3]) * np.arccos(np.clip(cosine, -1.0, 1.0))
+        knee = bend + np.angle(thigh) - np.angle(shank)
+        pitch = -np.angle(-reach / (thigh + shank * np.exp(1j * knee))) - knee
+        upper = np.swapaxes(waist_r, 1, 2) @ foot_r @ axis_rotation(np.eye(3)[0], -roll)
+        upper = upper @ axis_rotation(np.eye(3)[1], -(knee + pitch))
+        hip_angles = [
+            np.arctan2(-upper[:, 0, 1], upper[:, 1, 1]),
+            np.arcsin(np.clip(upper[:, 2, 1], -1.0, 1.0)),
+            np.arctan2(-upper[:, 2, 0], upper[:, 2, 2]),
+        ]
+        wrapped = (np.column_stack([*hip_angles, knee, pitch, roll]) + np.pi) % (2.0 * np.pi) - np.pi
+        return wrapped, excess
+
+    def _newton(self, waist: np.ndarray, sole: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Damped Newton iteration on the pose error of all samples at once, from half-sitting."""
+        target_r = pose.rotation(sole)
+        target = sole[:, :3] + target_r @ [0.0, 0.0, self.ankle_height]
+        angles = np.tile(self.rest, (len(waist), 1))
+        error = np.full((len(waist), 6), np.inf)
+        for _ in range(60):
+            rotations, positions, axes, centres = self._forward(waist, angles)
+            turn = Rotation.from_matrix(target_r @ np.swapaxes(rotations, 1, 2)).as_rotvec()
+            error = np.column_stack([target - positions, turn])
+            if np.abs(error).max() < 1e-11:
+                break
+            jacobian = np.concatenate([np.cross(axes, positions[:, None] - centres), axes], axis=2)
+            gram = jacobian @ np.swapaxes(jacobian, 1, 2) + 1e-10 * np.eye(6)  # (N, joints, joints)
+            step = np.linalg.solve(gram, jacobian @ error[..., None])[..., 0]
+            angles = angles + step * np.minimum(1.0, 0.5 / np.maximum(np.abs(step).max(axis=1, keepdims=True), 1e-12))
+        miss = np.abs(error).max(axis=1)
+        return angles, np.where(miss < 1e-7, 0.0, np.linalg.norm(error[:, :3], axis=1) + 1e-7)
+
+    def _forward(self, waist: np.ndarray, angles: np.ndarray) -> tuple[np.ndarray, ...]:
+        """Ankle rotations (N, 3, 3) and positions (N, 3); joint axes and centres (N, 6, 3), all in the world."""
+        rotations, positions = pose.rotation(waist), waist[:, :3]
+        axes, centres = np.empty((2, len(waist), 6, 3))
+        for k, (fixed, shift, axis) in enumerate(self._chain):
+            positions = positions + rotations @ shift
+            rotations = (rotations @ fixed) @ axis_rotation(axis, angles[:, k])
+            axes[:, k], centres[:, k] = rotations @ axis, positions
+        return rotations, positions, axes, centres

@@ -1,0 +1,186 @@
+"""What robot.toml says, as frozen dataclasses: every field with its unit, every value checked as it is read."""
+
+from __future__ import annotations
+
+import math
+import types
+from dataclasses import dataclass, fields
+from typing import Any, TypeVar, get_args, get_origin, get_type_hints
+
+from stepover.errors import InvalidInput
+
+Section = TypeVar("Section")
+Pair = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Legs:
+    """The joints of the legs, from the hip to the sole, and the knees among them."""
+
+    right: tuple[str, ...]
+    left: tuple[str, ...]
+    knee: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Foot:
+    """The right foot, seen from the ankle; the left one mirrors y. All in m."""
+
+    ankle_height: float
+    sole_length: float
+    heel: float
+    toe: float
+    contact_x: Pair
+    contact_y: Pair
+
+
+@dataclass(frozen=True)
+class Outline:
+    """The leg of Fig. 1 in the knee's frame: (x ahead, z up along the shank), in m."""
+
+    front: tuple[Pair, ...]
+    rear: tuple[Pair, ...]
+
+
+@dataclass(frozen=True)
+class Posture:
+    """Half-sitting: where every motion begins and ends. Lengths in m, angles in degrees."""
+
+    waist_height: float
+    feet_apart: float
+    angles_deg: types.MappingProxyType[str, float]
+
+
+@dataclass(frozen=True)
+class UpperBody:
+    """Joints of the upper body that the planner moves."""
+
+    chest_yaw: str
+    shoulders: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Walk:
+    """Timing in s, lengths in m (Sec. V)."""
+
+    sample_time: float
+    step_length: float
+    step_length_min: float
+    step_length_max: float
+    single_support: float
+    double_support: float
+    single_support_over: float
+    double_support_over: float
+    standing: float
+    lift: float
+
+
+@dataclass(frozen=True)
+class Feasibility:
+    """Search of the key configuration (Sec. III-A). Lengths in m, angles in degrees, delta_ds a factor."""
+
+    delta_ds: float
+    knee_margin_deg: float
+    step_length_max: float
+    step_length_step: float
+    waist_height_min: float
+    waist_height_step: float
+    foothold_clearance: float
+    waist_yaw_deg: float
+
+
+@dataclass(frozen=True)
+class SteppingOver:
+    """Shape of the feet trajectories (Sec. III-B). Times as shares of the single support, lengths in m."""
+
+    rest: float
+    leg1_rise: float
+    leg1_top: float
+    leg1_descent: float
+    leg1_extra_lift: float
+    leg1_pitch_deg: float
+    landing_points: int
+    leg2_rise: float
+    leg2_descent: float
+    leg2_held: int
+    leg2_pitch_per_height_deg: float
+    leg2_extra_lift: float
+    landing_step: float
+
+
+@dataclass(frozen=True)
+class Preview:
+    """Preview control (Sec. III-C2): window in samples, weights without unit, com_height in m."""
+
+    window: int
+    zmp_weight: float
+    jerk_weight: float
+    com_height: float
+    filter_passes: int
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What a planned motion must keep, or it is refused: degrees, m."""
+
+    knee_margin_deg: float
+    zmp_margin: float
+
+
+SIGNED = {"contact_x", "contact_y", "front", "rear", "angles_deg", "leg1_pitch_deg"}
+"""Keys whose values may be negative; all others must be positive, or zero where ZERO says so."""
+ZERO = {
+    "waist_yaw_deg",
+    "leg2_pitch_per_height_deg",
+    "leg1_extra_lift",
+    "leg2_extra_lift",
+    "knee_margin_deg",
+    "foothold_clearance",
+}
+
+
+def read_section(kind: type[Section], table: dict[str, Any], where: str) -> Section:
+    """Turn one table of robot.toml into its dataclass.
+
+    Raises:
+        InvalidInput: a missing or unknown key, a value of the wrong type, not finite or of the wrong sign.
+    """
+    if not isinstance(table, dict):
+        raise InvalidInput(f"{where} must be a table")
+    hints = get_type_hints(kind)
+    names = [field.name for field in fields(kind)]  # type: ignore[arg-type]
+    for key in names:
+        if key not in table:
+            raise InvalidInput(f"{where} lacks the key {key!r}")
+    for key in table:
+        if key not in names:
+            raise InvalidInput(f"{where} has an unknown key {key!r}; known are {', '.join(names)}")
+    return kind(**{key: _value(hints[key], table[key], f"{where}.{key}", key) for key in names})
+
+
+def _value(hint: Any, raw: Any, where: str, key: str) -> Any:
+    """Check one value against its type hint and turn lists into tuples."""
+    if get_origin(hint) is tuple:
+        inner = get_args(hint)
+        if not isinstance(raw, list) or not raw or (Ellipsis not in inner and len(raw) != len(inner)):
+            raise InvalidInput(f"{where} = {raw!r} must be a list of {'values' if Ellipsis in inner else len(inner)}")
+        return tuple(_value(inner[0], item, where, key) for item in raw)
+    if get_origin(hint) is types.MappingProxyType:
+        if not isinstance(raw, dict):
+            raise InvalidInput(f"{where} must be a table of angles in degrees")
+        return types.MappingProxyType({name: _value(float, item, f"{where}.{name}", key) for name, item in raw.items()})
+    if hint is str:
+        if not isinstance(raw, str) or not raw:
+            raise InvalidInput(f"{where} = {raw!r} must be a name")
+        return raw
+    return _number(hint, raw, where, key)
+
+
+def _number(hint: Any, raw: Any, where: str, key: str) -> float | int:
+    """Check a number: its type, that it is finite, and its sign."""
+    good_type = isinstance(raw, int) if hint is int else isinstance(raw, int | float)
+    if isinstance(raw, bool) or not good_type or not math.isfinite(raw):
+        raise InvalidInput(f"{where} = {raw!r} must be a finite {'whole ' if hint is int else ''}number")
+    if key not in SIGNED and (raw < 0 or (raw == 0 and key not in ZERO)):
+        raise InvalidInput(f"{where} = {raw!r} must be {'zero or ' if key in ZERO else ''}positive")
+    return hint(raw)

@@ -1,0 +1,167 @@
+"""A robot: a URDF and a robot.toml beside it that says what the URDF cannot. Sec. III."""
+
+from __future__ import annotations
+
+import tomllib
+from dataclasses import dataclass, fields
+from functools import cached_property
+from pathlib import Path
+from typing import Any, get_type_hints
+
+import numpy as np
+
+from stepover.errors import InvalidInput
+from stepover.model.body import Body
+from stepover.model.collision import Shape, shapes_of
+from stepover.model.legs import Leg
+from stepover.model.parameters import (
+    Feasibility,
+    Foot,
+    Legs,
+    Outline,
+    Posture,
+    Preview,
+    SteppingOver,
+    UpperBody,
+    Verdict,
+    Walk,
+    read_section,
+)
+
+SIDES = {"left": 1, "right": -1}
+
+
+@dataclass(frozen=True, eq=False)
+class Robot:
+    """Everything that the planner and the simulation know of a robot.
+
+    Attributes:
+        name: as it goes into a motion.
+        folder: where robot.toml lies; the URDF is relative to it.
+        urdf: file name of the URDF.
+        root: name of the root link, the waist.
+        legs, foot, outline, posture, upper_body, walk, feasibility, stepping_over, preview, verdict: the tables of
+            robot.toml, each a dataclass of stepover.model.parameters.
+    """
+
+    name: str
+    folder: Path
+    urdf: str
+    root: str
+    legs: Legs
+    foot: Foot
+    outline: Outline
+    posture: Posture
+    upper_body: UpperBody
+    walk: Walk
+    feasibility: Feasibility
+    stepping_over: SteppingOver
+    preview: Preview
+    verdict: Verdict
+
+    def __post_init__(self) -> None:
+        """Read the URDF, and refuse joints and links that it lacks."""
+        if self.root not in self.body.link_names:
+            raise InvalidInput(f"root: the URDF has no link {self.root!r}; its root is {self.body.link_names[0]!r}")
+        named = {
+            "legs.knee": self.legs.knee,
+            "posture.angles_deg": self.posture.angles_deg,
+            "upper_body.chest_yaw": (self.upper_body.chest_yaw,),
+            "upper_body.shoulders": self.upper_body.shoulders,
+        }
+        for where, joints in named.items():
+            for joint in joints:
+                if joint not in self.body.joint_names:
+                    raise InvalidInput(f"{where}: the URDF has no joint {joint!r}")
+        _ = self.leg(1), self.leg(-1)
+
+    @cached_property
+    def body(self) -> Body:
+        """The multi-body model."""
+        return Body(self.folder / self.urdf)
+
+    @cached_property
+    def shapes(self) -> list[Shape]:
+        """Convex collision shapes of all links."""
+        return shapes_of(self.body)
+
+    @cached_property
+    def _leg(self) -> dict[int, Leg]:
+        """Both legs by their side."""
+        rest = self.half_sitting()
+        return {
+            side: Leg(self.body, side, joints, self.foot.ankle_height, rest[[self.body.column(j) for j in joints]])
+            for side, joints in ((1, self.legs.left), (-1, self.legs.right))
+        }
+
+    def leg(self, side: int) -> Leg:
+        """The leg of a side: +1 left, -1 right."""
+        return self._leg[side]
+
+    def half_sitting(self) -> np.ndarray:
+        """Configuration (nq,) of the half-sitting posture, with the origin midway between the ankles."""
+        q = np.zeros(7 + len(self.body.joint_names))
+        q[6] = 1.0
+        for joint, angle in self.posture.angles_deg.items():
+            q[self.body.column(joint)] = np.radians(angle)
+        placed = self.body.placements(q[None])
+        ankles = np.array([placed.positions[0, self.body.index(leg[-1])] for leg in (self.legs.left, self.legs.right)])
+        q[:3] = [*-ankles.mean(axis=0)[:2], self.posture.waist_height]
+        return q
+
+    def contact_patch(self, side: int) -> np.ndarray:
+        """Corners (4, 2) [m] of the flat contact patch in the sole frame, counter-clockwise."""
+        x_back, x_front = self.foot.contact_x
+        y_low, y_high = sorted(-side * y for y in self.foot.contact_y)
+        return np.array([[x_back, y_low], [x_front, y_low], [x_front, y_high], [x_back, y_high]])
+
+
+def load_robot(robot: str | Path) -> Robot:
+    """Load a robot by name (a folder under data/) or by the path of a robot.toml.
+
+    Raises:
+        InvalidInput: unknown name, unreadable file, a key that is missing or makes no sense, a joint or link
+            that the URDF lacks. The message names it.
+    """
+    path = Path(robot)
+    if path.suffix != ".toml":
+        known = sorted(file.parent.name for file in data_folder().glob("*/robot.toml"))
+        if str(robot) not in known:
+            raise InvalidInput(
+                f"unknown robot {str(robot)!r}: known are {', '.join(known)}, or give a path to a robot.toml"
+            )
+        path = data_folder() / str(robot) / "robot.toml"
+    try:
+        table = tomllib.loads(path.read_text())
+    except OSError as error:
+        raise InvalidInput(f"{path} cannot be read: {error.strerror}") from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise InvalidInput(f"{path} is not valid TOML: {error}") from error
+    try:
+        return Robot(folder=path.parent.resolve(), **_read(table))
+    except InvalidInput as error:
+        raise InvalidInput(f"{path}: {error}") from error
+
+
+def data_folder() -> Path:
+    """Folder of the inputs: data/ of a checkout, or the copy that the wheel carries."""
+    package = Path(__file__).resolve().parents[1]
+    inside = package / "data"
+    return inside if inside.is_dir() else package.parent / "data"
+
+
+def _read(table: dict[str, Any]) -> dict[str, Any]:
+    """Check the top level of robot.toml and each of its tables."""
+    hints = {name: hint for name, hint in get_type_hints(Robot).items() if name != "folder"}
+    names = [field.name for field in fields(Robot) if field.name != "folder"]
+    for key in names:
+        if key not in table:
+            raise InvalidInput(f"lacks the {'key' if hints[key] is str else 'table'} {key!r}")
+    for key in table:
+        if key not in names:
+            raise InvalidInput(f"has an unknown key {key!r}; known are {', '.join(names)}")
+    texts = {key: table[key] for key in names if hints[key] is str}
+    for key, text in texts.items():
+        if not isinstance(text, str) or not text:
+            raise InvalidInput(f"{key} = {text!r} must be a name")
+    return texts | {key: read_section(hints[key], table[key], key) for key in names if key not in texts}

@@ -1,0 +1,1 @@
+"""The physics: the robot in PyBullet, with its obstacle."""

@@ -1,0 +1,122 @@
+"""FTG, the feet trajectory generator: clamped cubic splines over the obstacle. Sec. III-B, Fig. 3.
+
+Leg 1 rises before the obstacle, passes it, and lands behind it from above with a speed that falls linearly to
+zero. Leg 2 passes with the toe down, so that the trailing shank stays upright, and its forward speed falls
+linearly to zero. Times are shares of the single support; heights include the margin.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from stepover.model.obstacle import Obstacle
+from stepover.model.pose import pose
+from stepover.model.robot import Robot
+from stepover.units.step_sequence import LEG_1, LEG_2, Step, StepSequence
+
+
+@dataclass(frozen=True, eq=False)
+class Swing:
+    """One swing of a foot: sole position and pitch.
+
+    Attributes:
+        x, y, z: (n,) of the sole frame [m].
+        pitch: (n,) toe-down positive [rad].
+    """
+
+    x: np.ndarray
+    y: np.ndarray
+    z: np.ndarray
+    pitch: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class FeetTrajectories:
+    """Sole poses (N, 7) of both feet over the motion: L(t) and R(t) of Algorithm 1."""
+
+    left: np.ndarray
+    right: np.ndarray
+
+    def foot(self, side: int) -> np.ndarray:
+        """Poses of a side: +1 left, -1 right."""
+        return self.left if side > 0 else self.right
+
+
+def feet_trajectories(robot: Robot, obstacle: Obstacle, sequence: StepSequence) -> FeetTrajectories:
+    """Trajectories of both feet: second half of step 2 of Algorithm 1."""
+    feet = {}
+    for side in (1, -1):
+        own = [step for step in sequence.steps if step.side == side]
+        position = np.zeros((len(sequence.time), 3))
+        pitch = np.zeros(len(sequence.time))
+        position[:, :2] = own[0].start
+        for step in own:
+            moving = slice(step.lift_off, step.touch_down + 1)
+            swing = swing_of(robot, obstacle, sequence, step)
+            position[moving] = np.column_stack([swing.x, swing.y, swing.z])
+            pitch[moving] = swing.pitch
+            position[step.touch_down :] = [*step.end, 0.0]
+        feet[side] = pose(position, 0.0, pitch)
+    return FeetTrajectories(feet[1], feet[-1])
+
+
+def swing_of(robot: Robot, obstacle: Obstacle, sequence: StepSequence, step: Step) -> Swing:
+    """Swing of one step, at the samples from lift-off to touch-down, both included."""
+    share = np.linspace(0.0, 1.0, step.touch_down - step.lift_off + 1)
+    make = {LEG_1: _leg_1, LEG_2: _leg_2}.get(step.kind)
+    return _normal(robot, step, share) if make is None else make(robot, obstacle, sequence.front_face, step, share)
+
+
+def clamped_spline(knots: list[tuple[float, float]], at: np.ndarray) -> np.ndarray:
+    """Cubic spline through (time, value) knots with zero speed at both ends, at rest beyond them."""
+    times, values = np.array(sorted(knots)).T
+    return np.asarray(CubicSpline(times, values, bc_type="clamped")(np.clip(at, times[0], times[-1])))
+
+
+def landing(start: float, value: float, end: float, target: float, points: int) -> list[tuple[float, float]]:
+    """Knots whose speed falls linearly to zero: from (start, value), excluded, to (end, target), included."""
+    rest = 1.0 - np.arange(1, points + 1) / points
+    return [(end - (end - start) * r, target + (value - target) * r**2) for r in rest]
+
+
+def _normal(robot: Robot, step: Step, share: np.ndarray) -> Swing:
+    """A step on flat ground: up and down, and forward between the rests."""
+    rest = robot.stepping_over.rest
+    z = clamped_spline([(0.0, 0.0), (0.5, robot.walk.lift), (1.0, 0.0)], share)
+    x = clamped_spline([(rest, step.start[0]), (1.0 - rest, step.end[0])], share)
+    return Swing(x, np.full_like(share, step.start[1]), z, np.zeros_like(share))
+
+
+def _leg_1(robot: Robot, obstacle: Obstacle, front_face: float, step: Step, share: np.ndarray) -> Swing:
+    """The leading leg: above the landing point before it descends, heel first."""
+    shape, top = robot.stepping_over, obstacle.safe_height
+    before = front_face - obstacle.margin_width - robot.foot.toe - robot.feasibility.foothold_clearance
+    x = [(shape.rest, step.start[0]), (shape.leg1_rise, before), (shape.leg1_descent, step.end[0])]
+    z = [(0.0, 0.0), (shape.leg1_rise, top), (shape.leg1_top, top + shape.leg1_extra_lift), (shape.leg1_descent, top)]
+    z += landing(shape.leg1_descent, top, 1.0, 0.0, shape.landing_points)
+    heel_first = np.radians(shape.leg1_pitch_deg)
+    rest = 1.0 - shape.rest
+    pitch = clamped_spline([(shape.leg1_rise, 0.0), (shape.leg1_descent, heel_first)], share)
+    pitch += clamped_spline([(rest, 0.0), (1.0, -heel_first)], share)
+    return Swing(clamped_spline(x, share), np.full_like(share, step.start[1]), clamped_spline(z, share), pitch)
+
+
+def _leg_2(robot: Robot, obstacle: Obstacle, front_face: float, step: Step, share: np.ndarray) -> Swing:
+    """The trailing leg: toe down from before the front margin to behind the rear one."""
+    shape = robot.stepping_over
+    toe_down = np.radians(shape.leg2_pitch_per_height_deg * obstacle.safe_height)
+    top = obstacle.safe_height + robot.foot.toe * np.sin(toe_down) + shape.leg2_extra_lift
+    spare = robot.feasibility.foothold_clearance
+    before = front_face - obstacle.margin_width - robot.foot.toe - spare
+    behind = front_face + obstacle.width + obstacle.margin_width + robot.foot.heel + spare
+    x = [(shape.rest, step.start[0]), (shape.leg2_rise, before), (shape.leg2_descent, behind)]
+    x += landing(shape.leg2_descent, behind, 1.0 - shape.rest, step.end[0], shape.landing_points)
+    held = np.linspace(shape.leg2_rise, shape.leg2_descent, shape.leg2_held)  # or the spline would swing far higher
+    z = [(0.0, 0.0), *((float(at), top) for at in held)]
+    z += landing(shape.leg2_descent, top, 1.0, 0.0, shape.landing_points)
+    pitch = clamped_spline([(0.0, 0.0), (shape.leg2_rise, toe_down)], share)
+    pitch -= clamped_spline([(shape.leg2_descent, 0.0), (1.0 - shape.rest, toe_down)], share)
+    return Swing(clamped_spline(x, share), np.full_like(share, step.start[1]), clamped_spline(z, share), pitch)

@@ -1,0 +1,125 @@
+"""Is a motion what was asked for? Measures of a finished motion, and the refusal of one that breaks a limit."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from stepover.errors import Infeasible
+from stepover.model.body import Placements
+from stepover.model.collision import clearance, separation
+from stepover.model.obstacle import Obstacle
+from stepover.model.robot import Robot
+from stepover.model.support import zmp_margin
+from stepover.motion import Motion
+from stepover.units.preview_control import GRAVITY
+
+
+@dataclass(frozen=True)
+class Measures:
+    """What a motion comes to, in SI units: most of what `plan --json` prints.
+
+    Attributes:
+        duration, step_over_duration: whole motion; lift-off of leg 1 to touch-down of leg 2 [s].
+        samples: number of samples.
+        zmp_rms_first_stage, zmp_rms: multi-body ZMP against its reference before and after the filter, x, y [m].
+        zmp_error_max: largest single error after the filter, x, y [m].
+        zmp_margin_min: smallest distance of the ZMP from the edge of the support polygon [m].
+        clearance_min, clearance_link, clearance_time: smallest signed distance from the bare obstacle [m].
+        joint_margin_min, joint_margin_joint: smallest distance to a joint limit [rad].
+        joint_speed_ratio_max, joint_speed_joint: largest joint speed over its limit.
+        com_travel_double_support: way of the CoM in the double support over the obstacle, x [m].
+        com_acceleration_ratio_max: largest vertical acceleration of the CoM over g.
+    """
+
+    duration: float
+    step_over_duration: float
+    samples: int
+    zmp_rms_first_stage: list[float]
+    zmp_rms: list[float]
+    zmp_error_max: list[float]
+    zmp_margin_min: float
+    clearance_min: float
+    clearance_link: str
+    clearance_time: float
+    joint_margin_min: float
+    joint_margin_joint: str
+    joint_speed_ratio_max: float
+    joint_speed_joint: str
+    com_travel_double_support: float
+    com_acceleration_ratio_max: float
+
+
+def measure(robot: Robot, motion: Motion) -> Measures:
+    """Measure a motion from its own arrays."""
+    body, dt = robot.body, motion.dt
+    error, first_error = motion.zmp - motion.zmp_reference, motion.zmp_first_stage - motion.zmp_reference
+    nearest = clearance(robot.shapes, body.placements(motion.q), motion.bare_obstacle)
+    angles = motion.q[:, 7:]
+    limits = np.minimum(angles - body.lower, body.upper - angles)
+    tightest = np.unravel_index(limits.argmin(), limits.shape)
+    speeds = np.abs(body.velocities(motion.q, dt)[:, 6:]) / body.speed_limits
+    fastest = np.unravel_index(speeds.argmax(), speeds.shape)
+    first, over, second = (motion.samples(phase) for phase in (1, 2, 3))
+    return Measures(
+        duration=float(motion.time[-1] - motion.time[0]),
+        step_over_duration=(second.stop - first.start) * dt,
+        samples=len(motion.time),
+        zmp_rms_first_stage=_rms(first_error),
+        zmp_rms=_rms(error),
+        zmp_error_max=np.abs(error).max(axis=0).tolist(),
+        zmp_margin_min=float(zmp_margin(robot, motion.zmp, motion.support, motion.left_foot, motion.right_foot).min()),
+        clearance_min=nearest.distance,
+        clearance_link=nearest.link,
+        clearance_time=float(motion.time[nearest.sample]),
+        joint_margin_min=float(limits[tightest]),
+        joint_margin_joint=body.joint_names[tightest[1]],
+        joint_speed_ratio_max=float(speeds[fastest]),
+        joint_speed_joint=body.joint_names[fastest[1]],
+        com_travel_double_support=float(motion.com[over.stop, 0] - motion.com[over.start, 0]),
+        com_acceleration_ratio_max=float(np.abs(np.diff(motion.com[:, 2], 2)).max() / dt**2 / GRAVITY),
+    )
+
+
+def require(robot: Robot, obstacle: Obstacle, motion: Motion) -> None:
+    """Refuse a motion that breaks a limit.
+
+    Raises:
+        Infeasible: names the joint, link or ZMP, by how much and when.
+    """
+    body, angles = robot.body, motion.q[:, 7:]
+    limits = np.minimum(angles - body.lower, body.upper - angles)
+    _refuse(motion, limits, body.joint_names, np.degrees, "degrees beyond its limit")
+    knees = [body.column(knee) - 7 for knee in robot.legs.knee]
+    bent = np.abs(angles[:, knees]) - np.radians(robot.verdict.knee_margin_deg)
+    wanted = f"degrees nearer to straight than {robot.verdict.knee_margin_deg:g}"
+    _refuse(motion, bent, list(robot.legs.knee), np.degrees, wanted)
+    margin = zmp_margin(robot, motion.zmp, motion.support, motion.left_foot, motion.right_foot)
+    missing = margin[:, None] - robot.verdict.zmp_margin
+    _refuse(motion, missing, ["the ZMP"], lambda x: 1e3 * x, "mm short of its margin to the support polygon's edge")
+    placements = body.placements(motion.q)
+    front = float(motion.obstacle[0])
+    free = np.column_stack([free_distance(robot, obstacle, front, s, placements) for s in range(len(robot.shapes))])
+    links = [shape.link for shape in robot.shapes]
+    _refuse(motion, free, links, lambda x: 1e3 * x, "mm inside the obstacle's safety margin")
+
+
+def free_distance(robot: Robot, obstacle: Obstacle, front: float, shape: int, placements: Placements) -> np.ndarray:
+    """Signed distance (N,) [m] of one shape from the obstacle with its margins; see separation."""
+    return separation(robot.shapes[shape], placements, obstacle.profile(front, margins=True))
+
+
+def _refuse(motion: Motion, margin: np.ndarray, names: list[str], scale: Callable[[float], float], what: str) -> None:
+    """Raise Infeasible for the most negative margin (N, len(names))."""
+    sample, which = np.unravel_index(margin.argmin(), margin.shape)
+    if margin[sample, which] < -1e-9:
+        amount, time = -scale(margin[sample, which]), motion.time[sample]
+        where = f"phase {motion.phase[sample]}" if motion.phase[sample] else "walking"
+        raise Infeasible(f"{names[which]} is {amount:.1f} {what} at t = {time:.3f} s ({where})")
+
+
+def _rms(error: np.ndarray) -> list[float]:
+    """Root mean square over the samples, per axis."""
+    return [float(x) for x in np.sqrt((error**2).mean(axis=0))]
