@@ -42,7 +42,8 @@ class Motion:
         zmp_first_stage, zmp: (N, 2) multi-body ZMP before and after the dynamic filter [m].
         support: (N,) 0 double, +1 left foot only, -1 right foot only.
         phase: (N,) 0 walking, 1, 2, 3 the phases of Sec. II.
-        footsteps: (K, 6) touch-down time, side (+1 left), x, y, yaw, kind (0 normal, 1 before, 2 leg 1, 3 leg 2, 4 after).
+        footsteps: (K, 6) touch-down time, side (+1 left), x, y, yaw, kind
+            (0 normal, 1 before, 2 leg 1, 3 leg 2, 4 after).
         key_configuration: (3,) X_ads, X_hds, Z_hds [m].
         obstacle: (6,) front face x, width, height, margin_width, margin_height, lateral half extent [m].
         robot: its name, or the path of its robot.toml.

@@ -99,7 +99,7 @@ class Leg:
         return angles
 
     def attempt(self, waist: np.ndarray, sole: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """As inverse, without raising: angles (N, 6) and how far each target is out of reach (N,) [m], 0 if it is not."""
+        """As inverse, without raising: angles (N, 6), and how far each target is out of reach (N,) [m] or 0."""
         return self._closed_form(waist, sole) if self.is_closed_form else self._newton(waist, sole)
 
     @property

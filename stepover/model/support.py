@@ -21,7 +21,8 @@ def zmp_margin(
         robot: the robot, for its contact patches.
         zmp: (N, 2) [m].
         support: (N,) 0 double, +1 left, -1 right.
-        left_foot, right_foot: (N, 7) sole poses.
+        left_foot: (N, 7) sole poses.
+        right_foot: (N, 7) sole poses.
     """
     changes = np.flatnonzero(np.diff(support)) + 1
     margin = np.empty(len(zmp))
