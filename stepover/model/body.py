@@ -7,6 +7,7 @@ the manifold: central differences for velocities, second differences for acceler
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import NamedTuple
@@ -95,17 +96,19 @@ class Body:
         """Name of the link behind a frame of pinocchio's geometry model."""
         return str(self._model.frames[frame].name)
 
-    def placements(self, q: np.ndarray) -> Placements:
-        """Forward kinematics of all joints over all samples: one pass along the tree, arrays over time.
+    def placements(self, q: np.ndarray, joints: Sequence[str] | None = None) -> Placements:
+        """Forward kinematics over all samples: one pass along the tree, arrays over time.
 
         Args:
             q: (N, nq) configurations.
+            joints: only these joints, which must be whole chains from the root; the others are left NaN.
         """
-        rotations = np.empty((len(q), self._model.njoints, 3, 3))
-        positions = np.empty((len(q), self._model.njoints, 3))
+        wanted = range(2, self._model.njoints) if joints is None else sorted(self.index(joint) for joint in joints)
+        rotations = np.full((len(q), self._model.njoints, 3, 3), np.nan)
+        positions = np.full((len(q), self._model.njoints, 3), np.nan)
         rotations[:, 0], positions[:, 0] = np.eye(3), 0.0
         rotations[:, 1], positions[:, 1] = pose.rotation(q[:, :7]), q[:, :3]
-        for index in range(2, self._model.njoints):
+        for index in wanted:
             fixed, shift = self._origins[index]
             parent = self._parents[index]
             base = rotations[:, parent]

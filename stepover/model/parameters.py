@@ -127,6 +127,22 @@ class Verdict:
     zmp_margin: float
 
 
+@dataclass(frozen=True)
+class Simulation:
+    """The physics. Times in s, torques in N m, lengths in m, angles in degrees; friction and shares without unit."""
+
+    time_step: float
+    solver_iterations: int
+    friction: float
+    ideal_motor_torque: float
+    ideal_motor_correction: float
+    loaded_share: float
+    landing_window: float
+    fall_tilt_deg: float
+    fall_drop: float
+    after_fall: float
+
+
 SIGNED = {"contact_x", "contact_y", "front", "rear", "angles_deg", "leg1_pitch_deg"}
 """Keys whose values may be negative; all others must be positive, or zero where ZERO says so."""
 ZERO = {

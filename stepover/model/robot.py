@@ -21,6 +21,7 @@ from stepover.model.parameters import (
     Outline,
     Posture,
     Preview,
+    Simulation,
     SteppingOver,
     UpperBody,
     Verdict,
@@ -40,8 +41,8 @@ class Robot:
         folder: where robot.toml lies; the URDF is relative to it.
         urdf: file name of the URDF.
         root: name of the root link, the waist.
-        legs, foot, outline, posture, upper_body, walk, feasibility, stepping_over, preview, verdict: the tables of
-            robot.toml, each a dataclass of stepover.model.parameters.
+        legs, foot, outline, posture, upper_body, walk, feasibility, stepping_over, preview, verdict, simulation: the
+            tables of robot.toml, each a dataclass of stepover.model.parameters.
     """
 
     name: str
@@ -58,6 +59,7 @@ class Robot:
     stepping_over: SteppingOver
     preview: Preview
     verdict: Verdict
+    simulation: Simulation
 
     def __post_init__(self) -> None:
         """Read the URDF, and refuse joints and links that it lacks."""
