@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import time
 from dataclasses import dataclass
 
@@ -12,13 +13,33 @@ from stepover.errors import Infeasible, InvalidInput
 from stepover.model.obstacle import Obstacle
 from stepover.model.robot import Robot
 from stepover.motion import FORMAT, Motion, obstacle_row
+from stepover.units.beyond_paper import extra_shape, extra_zmp
 from stepover.units.com_waist import ComWaist, com_and_waist
 from stepover.units.dynamic_filter import filtered_waist
 from stepover.units.feasibility import KeyConfiguration, key_configurations
+from stepover.units.feet_adaptor import METHODS, Adaptation, adapt_feet, raise_waist
 from stepover.units.feet_trajectories import FeetTrajectories, feet_trajectories
 from stepover.units.step_sequence import StepSequence, step_sequence
-from stepover.units.upper_body import upper_body
-from stepover.verdict import require
+from stepover.units.upper_body import UpperBody, moved, upper_body
+from stepover.verdict import require, speed_ratio
+
+ARMS = ("auto", "on", "off")
+SPEED_LIMITS = ("ignore", "respect")
+
+
+@dataclass(frozen=True)
+class Effort:
+    """What the planner may use.
+
+    Attributes:
+        arms: "auto", "on" or "off": UBMG.
+        methods: which of FTA's three methods.
+        level: of what is added beyond the paper, 0 none to 1.
+    """
+
+    arms: str = "auto"
+    methods: tuple[int, ...] = METHODS
+    level: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,10 +50,12 @@ class Plan:
         motion: the result.
         key: key configuration.
         sequence: the steps.
-        feet: trajectories of the feet.
-        first_stage: CoM and waist before the dynamic filter.
-        q_first_stage: configurations (N, nq) before the dynamic filter.
-        adaptations: what FTA and UBMG did, and how often the filter ran.
+        feet: trajectories of the feet by FTG, before they were adapted.
+        first_stage: CoM and waist of CWTG1.
+        upper: what UBMG decided.
+        adaptation: what FTA did.
+        effort: what was used.
+        filter_passes: how often the dynamic filter ran.
         planning_time: feasibility, trajectories and total [s].
     """
 
@@ -41,91 +64,135 @@ class Plan:
     sequence: StepSequence
     feet: FeetTrajectories
     first_stage: ComWaist
-    q_first_stage: np.ndarray
-    adaptations: dict[str, object]
+    upper: UpperBody
+    adaptation: Adaptation
+    effort: Effort
+    filter_passes: int
     planning_time: dict[str, float]
 
+    @property
+    def adaptations(self) -> dict[str, object]:
+        """What FTA and UBMG did, and how often the filter ran, as plain numbers: m, rad, s."""
+        upper, feet = self.upper, self.adaptation
+        return {
+            "filter_passes": self.filter_passes,
+            "beyond_paper_level": self.effort.level,
+            "ubmg": {
+                "acted": upper.arm_swing > 0.0,
+                "arm_swing": upper.arm_swing,
+                "waist_shift_max": float(np.abs(upper.waist_shift[:, 0]).max()),
+                "knee_spare_before": upper.knee_before,
+                "knee_spare_after": upper.knee_after,
+                "p_ref2_min": float(-upper.zmp_change[:, 0].max()),
+                "p_ref2_max": float(-upper.zmp_change[:, 0].min()),
+            },
+            "fta": {
+                "acted": feet.acted,
+                "leg": "leg 2" if feet.acted else None,
+                "foot_back": feet.shift,
+                "waist_raised": feet.raised,
+                "ankle_pushed": feet.pushed,
+                "start": feet.start,
+                "end": feet.end,
+            },
+        }
 
-def plan(robot: Robot, obstacle: Obstacle) -> Motion:
+
+def plan(
+    robot: Robot, obstacle: Obstacle, *, arms: str = "auto", speed_limits: str = "ignore", extras: bool = True
+) -> Motion:
     """Plan how to step over an obstacle dynamically.
 
     Args:
         robot: from load_robot.
         obstacle: the obstacle with its margins.
+        arms: UBMG: "auto" swings the arms back where the lead knee needs it, "on" always, "off" never.
+        speed_limits: "ignore" the joints' speed limits, as the paper's simulation does, or "respect" them by a longer
+            single support.
+        extras: whether what is added beyond the paper may be used where the paper's own methods do not reach.
 
     Returns:
         The whole-body motion.
 
     Raises:
+        InvalidInput: an unknown value of arms or speed_limits.
         Infeasible: names the constraint that cannot be met and the nearest obstacle that can be stepped over.
     """
-    return plan_in_detail(robot, obstacle).motion
+    return plan_in_detail(robot, obstacle, arms=arms, speed_limits=speed_limits, extras=extras).motion
 
 
-def plan_in_detail(robot: Robot, obstacle: Obstacle, look_for_nearest: bool = True) -> Plan:
+def plan_in_detail(
+    robot: Robot,
+    obstacle: Obstacle,
+    *,
+    arms: str = "auto",
+    speed_limits: str = "ignore",
+    extras: bool = True,
+    look_for_nearest: bool = True,
+) -> Plan:
     """As plan, and keep what the units handed to each other.
 
-    The key configurations are tried in the order in which FU finds them: the first one whose whole motion keeps
-    all limits is taken.
+    What the paper describes comes first, with the arms at rest while the knees allow it; then UBMG; then what is
+    added beyond the paper. For each, key configurations are tried in the order in which FU finds them.
     """
+    for name, value, known in (("arms", arms, ARMS), ("speed_limits", speed_limits, SPEED_LIMITS)):
+        if value not in known:
+            raise InvalidInput(f"{name} = {value!r} must be one of {', '.join(known)}")
     start = time.perf_counter()
     try:
         keys = key_configurations(robot, obstacle)  # 1: FU
         feasibility_time = time.perf_counter() - start
-        found = _first(robot, obstacle, keys)
+        found = _first(robot, obstacle, keys, _efforts(robot, arms, extras))
+        if speed_limits == "respect":
+            found = _slowed(robot, obstacle, found, _efforts(robot, arms, extras))
     except Infeasible as error:
         if error.nearest is None and look_for_nearest:
-            error.nearest = nearest_crossable(robot, obstacle)
+            error.nearest = nearest_crossable(robot, obstacle, arms=arms, speed_limits=speed_limits, extras=extras)
         raise
     total = time.perf_counter() - start
     times = {"feasibility": feasibility_time, "trajectories": total - feasibility_time, "total": total}
-    found.planning_time.update(times)
-    return found
+    return dataclasses.replace(found, planning_time=times)
 
 
-def _first(robot: Robot, obstacle: Obstacle, keys: list[KeyConfiguration]) -> Plan:
-    """The plan for the first key configuration that works; the first one's error where none does."""
-    first_error: Infeasible | None = None
-    for key in keys:
-        try:
-            return algorithm_1(robot, obstacle, key)
-        except Infeasible as error:
-            first_error = first_error or error
-            if error.nearest is not None:
-                break
-    raise first_error or InvalidInput("there is no key configuration to plan with")
-
-
-def algorithm_1(robot: Robot, obstacle: Obstacle, key: KeyConfiguration) -> Plan:
+def algorithm_1(robot: Robot, obstacle: Obstacle, key: KeyConfiguration, effort: Effort) -> Plan:
     """Steps 2 to 7 of Algorithm 1, for a key configuration from step 1.
 
+    The filter and FTA take turns until, after a pass of the filter, FTA has nothing left to adapt.
+
     Raises:
-        Infeasible: a sole is out of reach, or the motion breaks a limit.
+        Infeasible: a sole is out of reach, FTA finds no way, or the motion breaks a limit.
     """
-    dt, body = robot.walk.sample_time, robot.body
-    rest = body.com(body.placements(robot.half_sitting()[None]))[0, :2]
-    sequence = step_sequence(robot, obstacle, key, rest)  # 2: FTG
-    feet = feet_trajectories(robot, obstacle, sequence)
+    body, dt, rest = robot.body, robot.walk.sample_time, robot.rest_zmp()
+    paper = step_sequence(robot, obstacle, key, rest)  # 2: FTG
+    sequence = extra_zmp(robot, paper, effort.level)
+    ftg = feet_trajectories(robot, obstacle, sequence, extra_shape(robot, effort.level))
+    upper = upper_body(robot, obstacle, paper, ftg, com_and_waist(robot, paper, key), effort.arms)  # 5: UBMG
     first = com_and_waist(robot, sequence, key)  # 3: CWTG1
-    upper = upper_body(robot, first.yaw)  # 5: UBMG
-    q = whole_body(robot, first.waist, feet, upper, sequence.time)  # 4: IK
-    zmp = body.zmp(q, dt)
-    waist, q_filtered, zmp_filtered = first.waist, q, zmp
-    for _ in range(robot.preview.filter_passes):  # 6: CWTG2
-        waist = filtered_waist(robot, waist, sequence.zmp, zmp_filtered)
-        q_filtered = whole_body(robot, waist, feet, upper, sequence.time)
-        zmp_filtered = body.zmp(q_filtered, dt)
+    waist, feet, adaptation = moved(first.waist, upper.waist_shift), ftg, None
+    zmps: list[np.ndarray] = []
+    for passes in range(1, robot.preview.filter_passes_max + 1):
+        q = whole_body(robot, waist, feet, upper.q, sequence.time)  # 4: IK
+        zmps.append(body.zmp(q, dt))
+        waist = filtered_waist(robot, waist, sequence.zmp, zmps[-1])  # 6: CWTG2
+        flat = waist if adaptation is None else raise_waist(robot, sequence, waist, -adaptation.raised)
+        if adaptation is not None and adaptation.still_clear(robot, obstacle, sequence, waist):
+            break
+        adaptation = adapt_feet(robot, obstacle, sequence, flat, ftg, effort.methods)  # 7: FTA
+        if not adaptation.acted and adaptation.clear:
+            break
+        feet, waist = adaptation.feet, raise_waist(robot, sequence, flat, adaptation.raised)
+    assert adaptation is not None
+    q = whole_body(robot, waist, feet, upper.q, sequence.time)
     motion = Motion(
-        time=sequence.time, q=q_filtered, joint_names=np.array(body.joint_names),
-        left_foot=feet.left, right_foot=feet.right, waist=waist, com=body.com(body.placements(q_filtered)),
-        zmp_reference=sequence.zmp, zmp_first_stage=zmp, zmp=zmp_filtered,
+        time=sequence.time, q=q, joint_names=np.array(body.joint_names),
+        left_foot=feet.left, right_foot=feet.right, waist=waist, com=body.com(body.placements(q)),
+        zmp_reference=sequence.zmp, zmp_first_stage=zmps[0], zmp=body.zmp(q, dt),
         support=sequence.support, phase=sequence.phase, footsteps=_footsteps(sequence),
         key_configuration=np.array([key.x_ads, key.x_hds, key.z_hds]),
         obstacle=obstacle_row(obstacle, sequence.front_face), robot=robot.name, format=FORMAT, version=__version__,
     )  # fmt: skip
     require(robot, obstacle, motion)
-    adaptations: dict[str, object] = {"filter_passes": robot.preview.filter_passes}
-    return Plan(motion, key, sequence, feet, first, q, adaptations, {})
+    return Plan(motion, key, sequence, ftg, first, upper, adaptation, effort, passes, {})
 
 
 def whole_body(
@@ -144,7 +211,47 @@ def whole_body(
     return q
 
 
-def nearest_crossable(robot: Robot, obstacle: Obstacle) -> Obstacle | None:
+def _efforts(robot: Robot, arms: str, extras: bool) -> list[Effort]:
+    """What to try, in this order."""
+    first = [Effort("off")] if arms == "auto" else []
+    levels = robot.beyond_paper.levels if extras else ()
+    return [*first, Effort(arms), *(Effort(arms, level=level) for level in levels)]
+
+
+def _first(robot: Robot, obstacle: Obstacle, keys: list[KeyConfiguration], efforts: list[Effort]) -> Plan:
+    """The plan for the first effort and key configuration that work; the very first error where none does."""
+    first_error: Infeasible | None = None
+    longest = keys[0].x_ads + robot.feasibility.step_length_more
+    for effort in efforts:
+        for key in (key for key in keys if key.x_ads <= longest + 1e-9):
+            try:
+                return algorithm_1(robot, obstacle, key, effort)
+            except Infeasible as error:
+                first_error = first_error or error
+                if error.nearest is not None:
+                    raise
+    raise first_error or InvalidInput("there is nothing to try")
+
+
+def _slowed(robot: Robot, obstacle: Obstacle, found: Plan, efforts: list[Effort]) -> Plan:
+    """The motion with a longer single support over the obstacle, until no joint exceeds its speed limit."""
+    slower = robot
+    for _ in range(robot.verdict.slowings):
+        ratio = speed_ratio(slower, found.motion)[0]
+        if ratio <= 1.0:
+            return found
+        longer = slower.walk.single_support_over * min(max(1.02 * ratio, 1.05), 1.3)
+        samples = np.ceil(longer / slower.walk.sample_time)
+        walk = dataclasses.replace(slower.walk, single_support_over=float(samples * slower.walk.sample_time))
+        slower = dataclasses.replace(robot, walk=walk)
+        found = _first(slower, obstacle, key_configurations(slower, obstacle), efforts)
+    ratio, joint, when = speed_ratio(slower, found.motion)
+    if ratio > 1.0:
+        raise Infeasible(f"{joint} moves at {ratio:.2f} of its speed limit at t = {when:.3f} s")
+    return found
+
+
+def nearest_crossable(robot: Robot, obstacle: Obstacle, **options: object) -> Obstacle | None:
     """Obstacle nearest to the given one, in height and width, that can be planned; None if none is found.
 
     Looks straight down in height, straight down in width, and on the way to a small obstacle, by bisection to
@@ -156,7 +263,7 @@ def nearest_crossable(robot: Robot, obstacle: Obstacle) -> Obstacle | None:
     gap = np.inf
     for goal in ([small[0], here[1]], [here[0], small[1]], small):
         way = np.minimum(goal, here) - here
-        found = _farthest(robot, obstacle, here, way)
+        found = _farthest(robot, obstacle, here, way, options)
         if found is not None:
             distance = float(np.hypot(found.height - here[0], found.width - here[1]))
             if distance < gap:
@@ -164,16 +271,18 @@ def nearest_crossable(robot: Robot, obstacle: Obstacle) -> Obstacle | None:
     return best
 
 
-def _farthest(robot: Robot, obstacle: Obstacle, here: np.ndarray, way: np.ndarray) -> Obstacle | None:
+def _farthest(
+    robot: Robot, obstacle: Obstacle, here: np.ndarray, way: np.ndarray, options: dict[str, object]
+) -> Obstacle | None:
     """First obstacle on a way down in height and width that can be planned, by bisection to 1 mm."""
 
     def at(share: float) -> Obstacle:
         height, width = np.floor((here + share * way) * 1e3 + 1e-6) / 1e3
-        return Obstacle(float(height), float(width), obstacle.margin_height, obstacle.margin_width, obstacle.distance)
+        return dataclasses.replace(obstacle, height=float(height), width=float(width))
 
     def works(share: float) -> bool:
         try:
-            plan_in_detail(robot, at(share), look_for_nearest=False)
+            plan_in_detail(robot, at(share), look_for_nearest=False, **options)  # type: ignore[arg-type]
         except Infeasible:
             return False
         return True

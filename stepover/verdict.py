@@ -60,8 +60,7 @@ def measure(robot: Robot, motion: Motion) -> Measures:
     angles = motion.q[:, 7:]
     limits = np.minimum(angles - body.lower, body.upper - angles)
     tightest = np.unravel_index(limits.argmin(), limits.shape)
-    speeds = np.abs(body.velocities(motion.q, dt)[:, 6:]) / body.speed_limits
-    fastest = np.unravel_index(speeds.argmax(), speeds.shape)
+    fastest = speed_ratio(robot, motion)
     first, over, second = (motion.samples(phase) for phase in (1, 2, 3))
     return Measures(
         duration=float(motion.time[-1] - motion.time[0]),
@@ -76,11 +75,18 @@ def measure(robot: Robot, motion: Motion) -> Measures:
         clearance_time=float(motion.time[nearest.sample]),
         joint_margin_min=float(limits[tightest]),
         joint_margin_joint=body.joint_names[tightest[1]],
-        joint_speed_ratio_max=float(speeds[fastest]),
-        joint_speed_joint=body.joint_names[fastest[1]],
+        joint_speed_ratio_max=fastest[0],
+        joint_speed_joint=fastest[1],
         com_travel_double_support=float(motion.com[over.stop, 0] - motion.com[over.start, 0]),
         com_acceleration_ratio_max=float(np.abs(np.diff(motion.com[:, 2], 2)).max() / dt**2 / GRAVITY),
     )
+
+
+def speed_ratio(robot: Robot, motion: Motion) -> tuple[float, str, float]:
+    """Largest joint speed over its limit, that joint, and when [s]."""
+    speeds = np.abs(robot.body.velocities(motion.q, motion.dt)[:, 6:]) / robot.body.speed_limits
+    sample, joint = np.unravel_index(speeds.argmax(), speeds.shape)
+    return float(speeds[sample, joint]), robot.body.joint_names[joint], float(motion.time[sample])
 
 
 def require(robot: Robot, obstacle: Obstacle, motion: Motion) -> None:

@@ -73,6 +73,11 @@ class Leg:
         rotations, positions, _, _ = self._forward(waist, angles)
         return rotations, positions + rotations @ [0.0, 0.0, -self.ankle_height]
 
+    def joint_frames(self, waist: np.ndarray, angles: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Ankle (N, 3), joint axes (N, 6, 3) and joint centres (N, 6, 3) in the world."""
+        _, ankle, axes, centres = self._forward(waist, angles)
+        return ankle, axes, centres
+
     def inverse(self, waist: np.ndarray, sole: np.ndarray, time: np.ndarray | None = None) -> np.ndarray:
         """Joint angles that put the sole where it shall be. Joint limits are judged elsewhere.
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import math
+import sys
 from dataclasses import dataclass
 
 import numpy as np
@@ -77,7 +77,7 @@ def _require_length(name: str, value: float, positive: bool) -> None:
     """Refuse a length that is not a finite number or has the wrong sign."""
     kind = "a positive" if positive else "a non-negative"
     try:
-        good = math.isfinite(value) and (value > 0.0 if positive else value >= 0.0)
+        good = abs(value) <= sys.float_info.max and (value > 0.0 if positive else value >= 0.0)
     except TypeError:
         good = False
     if not good:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import math
+import sys
 import types
 from dataclasses import dataclass, fields
 from typing import Any, TypeVar, get_args, get_origin, get_type_hints
@@ -53,10 +53,16 @@ class Posture:
 
 @dataclass(frozen=True)
 class UpperBody:
-    """Joints of the upper body that the planner moves."""
+    """Joints of the upper body that the planner moves, and how (Sec. III-D). Times as shares of a swing."""
 
     chest_yaw: str
     shoulders: tuple[str, ...]
+    arm_swing_max_deg: float
+    arm_swing_sizes: int
+    arms_start: float
+    arms_back: float
+    arms_forth: float
+    knee_spare_deg: float
 
 
 @dataclass(frozen=True)
@@ -82,10 +88,12 @@ class Feasibility:
     delta_ds: float
     knee_margin_deg: float
     step_length_max: float
+    step_length_more: float
     step_length_step: float
     waist_height_min: float
     waist_height_step: float
     foothold_clearance: float
+    spare: float
     waist_yaw_deg: float
 
 
@@ -102,7 +110,10 @@ class SteppingOver:
     landing_points: int
     leg2_rise: float
     leg2_descent: float
+    leg2_descent_drop: float
     leg2_held: int
+    leg2_pitch_start: float
+    leg2_pitch_full: float
     leg2_pitch_per_height_deg: float
     leg2_extra_lift: float
     landing_step: float
@@ -116,7 +127,41 @@ class Preview:
     zmp_weight: float
     jerk_weight: float
     com_height: float
-    filter_passes: int
+    filter_passes_max: int
+
+
+@dataclass(frozen=True)
+class Adaptor:
+    """Feet trajectory adaptor (Sec. III-E). Lengths in m, times as shares of the single support."""
+
+    spare: float
+    look_every: int
+    shift_step: float
+    shift_max: float
+    shift_peak: float
+    raise_step: float
+    raise_max: float
+    raise_peak: float
+    push_max: float
+    push_rounds: int
+    push_width: float
+    push_taper: float
+    damping: float
+
+
+@dataclass(frozen=True)
+class Beyond:
+    """What is added beyond the paper where its own methods do not reach. Lengths in m, times as shares."""
+
+    levels: tuple[float, ...]
+    zmp_toe: float
+    zmp_heel: float
+    zmp_ahead: float
+    zmp_toe_at: float
+    zmp_heel_until: float
+    zmp_ahead_at: float
+    leg2_descent: float
+    leg2_pitch_factor: float
 
 
 @dataclass(frozen=True)
@@ -125,6 +170,7 @@ class Verdict:
 
     knee_margin_deg: float
     zmp_margin: float
+    slowings: int
 
 
 @dataclass(frozen=True)
@@ -146,12 +192,15 @@ class Simulation:
 SIGNED = {"contact_x", "contact_y", "front", "rear", "angles_deg", "leg1_pitch_deg"}
 """Keys whose values may be negative; all others must be positive, or zero where ZERO says so."""
 ZERO = {
-    "waist_yaw_deg",
-    "leg2_pitch_per_height_deg",
-    "leg1_extra_lift",
-    "leg2_extra_lift",
-    "knee_margin_deg",
+    "arms_start",
     "foothold_clearance",
+    "knee_margin_deg",
+    "leg1_extra_lift",
+    "leg2_descent_drop",
+    "leg2_extra_lift",
+    "leg2_pitch_per_height_deg",
+    "spare",
+    "waist_yaw_deg",
 }
 
 
@@ -195,7 +244,7 @@ def _value(hint: Any, raw: Any, where: str, key: str) -> Any:
 def _number(hint: Any, raw: Any, where: str, key: str) -> float | int:
     """Check a number: its type, that it is finite, and its sign."""
     good_type = isinstance(raw, int) if hint is int else isinstance(raw, int | float)
-    if isinstance(raw, bool) or not good_type or not math.isfinite(raw):
+    if isinstance(raw, bool) or not good_type or not abs(raw) <= sys.float_info.max:
         raise InvalidInput(f"{where} = {raw!r} must be a finite {'whole ' if hint is int else ''}number")
     if key not in SIGNED and (raw < 0 or (raw == 0 and key not in ZERO)):
         raise InvalidInput(f"{where} = {raw!r} must be {'zero or ' if key in ZERO else ''}positive")

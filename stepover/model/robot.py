@@ -15,6 +15,8 @@ from stepover.model.body import Body
 from stepover.model.collision import Shape, shapes_of
 from stepover.model.legs import Leg
 from stepover.model.parameters import (
+    Adaptor,
+    Beyond,
     Feasibility,
     Foot,
     Legs,
@@ -41,7 +43,7 @@ class Robot:
         folder: where robot.toml lies; the URDF is relative to it.
         urdf: file name of the URDF.
         root: name of the root link, the waist.
-        legs, foot, outline, posture, upper_body, walk, feasibility, stepping_over, preview, verdict, simulation: the
+        legs, foot, outline, posture, upper_body, walk, feasibility, stepping_over, preview, adaptor, beyond_paper, verdict, simulation: the
             tables of robot.toml, each a dataclass of stepover.model.parameters.
     """
 
@@ -58,13 +60,15 @@ class Robot:
     feasibility: Feasibility
     stepping_over: SteppingOver
     preview: Preview
+    adaptor: Adaptor
+    beyond_paper: Beyond
     verdict: Verdict
     simulation: Simulation
 
     def __post_init__(self) -> None:
         """Read the URDF, and refuse joints and links that it lacks."""
-        if self.root not in self.body.link_names:
-            raise InvalidInput(f"root: the URDF has no link {self.root!r}; its root is {self.body.link_names[0]!r}")
+        if self.root != self.body.link_names[0]:
+            raise InvalidInput(f"root = {self.root!r}: the root link of the URDF is {self.body.link_names[0]!r}")
         named = {
             "legs.knee": self.legs.knee,
             "posture.angles_deg": self.posture.angles_deg,
@@ -110,6 +114,10 @@ class Robot:
         ankles = np.array([placed.positions[0, self.body.index(leg[-1])] for leg in (self.legs.left, self.legs.right)])
         q[:3] = [*-ankles.mean(axis=0)[:2], self.posture.waist_height]
         return q
+
+    def rest_zmp(self) -> np.ndarray:
+        """Where the ZMP rests in half-sitting (2,): under the CoM, from the midpoint of the ankles [m]."""
+        return self.body.com(self.body.placements(self.half_sitting()[None]))[0, :2]
 
     def contact_patch(self, side: int) -> np.ndarray:
         """Corners (4, 2) [m] of the flat contact patch in the sole frame, counter-clockwise."""

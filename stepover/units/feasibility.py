@@ -68,7 +68,7 @@ def key_configurations(robot: Robot, obstacle: Obstacle, leading: int = -1) -> l
     x_ads, z_hds = (axis.ravel() for axis in np.meshgrid(steps, heights, indexing="ij"))
     yaw = -leading * np.radians(search.waist_yaw_deg)
     postures = key_postures(robot, obstacle, x_ads, search.delta_ds * x_ads, z_hds, yaw)
-    good = postures.good()
+    good = postures.good(search.spare)
     if not good.any():
         raise Infeasible(_why_not(postures, leg_shapes(robot), x_ads, z_hds, search.knee_margin_deg))
     found = zip(x_ads[good].tolist(), z_hds[good].tolist(), strict=True)

@@ -13,6 +13,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from stepover.model.obstacle import Obstacle
+from stepover.model.parameters import SteppingOver
 from stepover.model.pose import pose
 from stepover.model.robot import Robot
 from stepover.units.step_sequence import LEG_1, LEG_2, Step, StepSequence
@@ -45,8 +46,18 @@ class FeetTrajectories:
         return self.left if side > 0 else self.right
 
 
-def feet_trajectories(robot: Robot, obstacle: Obstacle, sequence: StepSequence) -> FeetTrajectories:
-    """Trajectories of both feet: second half of step 2 of Algorithm 1."""
+def feet_trajectories(
+    robot: Robot, obstacle: Obstacle, sequence: StepSequence, shape: SteppingOver | None = None
+) -> FeetTrajectories:
+    """Trajectories of both feet: second half of step 2 of Algorithm 1.
+
+    Args:
+        robot: the robot.
+        obstacle: the obstacle with its margins.
+        sequence: the steps.
+        shape: of the swings over the obstacle; None: the robot's own.
+    """
+    shape = shape or robot.stepping_over
     feet = {}
     for side in (1, -1):
         own = [step for step in sequence.steps if step.side == side]
@@ -55,7 +66,7 @@ def feet_trajectories(robot: Robot, obstacle: Obstacle, sequence: StepSequence) 
         position[:, :2] = own[0].start
         for step in own:
             moving = slice(step.lift_off, step.touch_down + 1)
-            swing = swing_of(robot, obstacle, sequence, step)
+            swing = swing_of(robot, obstacle, sequence, step, shape)
             position[moving] = np.column_stack([swing.x, swing.y, swing.z])
             pitch[moving] = swing.pitch
             position[step.touch_down :] = [*step.end, 0.0]
@@ -63,11 +74,13 @@ def feet_trajectories(robot: Robot, obstacle: Obstacle, sequence: StepSequence) 
     return FeetTrajectories(feet[1], feet[-1])
 
 
-def swing_of(robot: Robot, obstacle: Obstacle, sequence: StepSequence, step: Step) -> Swing:
+def swing_of(robot: Robot, obstacle: Obstacle, sequence: StepSequence, step: Step, shape: SteppingOver) -> Swing:
     """Swing of one step, at the samples from lift-off to touch-down, both included."""
     share = np.linspace(0.0, 1.0, step.touch_down - step.lift_off + 1)
-    make = {LEG_1: _leg_1, LEG_2: _leg_2}.get(step.kind)
-    return _normal(robot, step, share) if make is None else make(robot, obstacle, sequence.front_face, step, share)
+    if step.kind not in (LEG_1, LEG_2):
+        return _normal(robot, step, share)
+    over = _leg_1 if step.kind == LEG_1 else _leg_2
+    return over(robot, obstacle, sequence.front_face, step, share, shape)
 
 
 def clamped_spline(knots: list[tuple[float, float]], at: np.ndarray) -> np.ndarray:
@@ -90,9 +103,11 @@ def _normal(robot: Robot, step: Step, share: np.ndarray) -> Swing:
     return Swing(x, np.full_like(share, step.start[1]), z, np.zeros_like(share))
 
 
-def _leg_1(robot: Robot, obstacle: Obstacle, front_face: float, step: Step, share: np.ndarray) -> Swing:
+def _leg_1(
+    robot: Robot, obstacle: Obstacle, front_face: float, step: Step, share: np.ndarray, shape: SteppingOver
+) -> Swing:
     """The leading leg: above the landing point before it descends, heel first."""
-    shape, top = robot.stepping_over, obstacle.safe_height
+    top = obstacle.safe_height
     before = front_face - obstacle.margin_width - robot.foot.toe - robot.feasibility.foothold_clearance
     x = [(shape.rest, step.start[0]), (shape.leg1_rise, before), (shape.leg1_descent, step.end[0])]
     z = [(0.0, 0.0), (shape.leg1_rise, top), (shape.leg1_top, top + shape.leg1_extra_lift), (shape.leg1_descent, top)]
@@ -104,9 +119,10 @@ def _leg_1(robot: Robot, obstacle: Obstacle, front_face: float, step: Step, shar
     return Swing(clamped_spline(x, share), np.full_like(share, step.start[1]), clamped_spline(z, share), pitch)
 
 
-def _leg_2(robot: Robot, obstacle: Obstacle, front_face: float, step: Step, share: np.ndarray) -> Swing:
+def _leg_2(
+    robot: Robot, obstacle: Obstacle, front_face: float, step: Step, share: np.ndarray, shape: SteppingOver
+) -> Swing:
     """The trailing leg: toe down from before the front margin to behind the rear one."""
-    shape = robot.stepping_over
     toe_down = np.radians(shape.leg2_pitch_per_height_deg * obstacle.safe_height)
     top = obstacle.safe_height + robot.foot.toe * np.sin(toe_down) + shape.leg2_extra_lift
     spare = robot.feasibility.foothold_clearance
@@ -114,9 +130,10 @@ def _leg_2(robot: Robot, obstacle: Obstacle, front_face: float, step: Step, shar
     behind = front_face + obstacle.width + obstacle.margin_width + robot.foot.heel + spare
     x = [(shape.rest, step.start[0]), (shape.leg2_rise, before), (shape.leg2_descent, behind)]
     x += landing(shape.leg2_descent, behind, 1.0 - shape.rest, step.end[0], shape.landing_points)
+    low = top - shape.leg2_descent_drop * robot.foot.toe * np.sin(toe_down)  # the toe is past the obstacle by then
     held = np.linspace(shape.leg2_rise, shape.leg2_descent, shape.leg2_held)  # or the spline would swing far higher
-    z = [(0.0, 0.0), *((float(at), top) for at in held)]
-    z += landing(shape.leg2_descent, top, 1.0, 0.0, shape.landing_points)
-    pitch = clamped_spline([(0.0, 0.0), (shape.leg2_rise, toe_down)], share)
+    z = [(0.0, 0.0), *((float(at), top) for at in held[:-1]), (shape.leg2_descent, low)]
+    z += landing(shape.leg2_descent, low, 1.0, 0.0, shape.landing_points)
+    pitch = clamped_spline([(shape.leg2_pitch_start, 0.0), (shape.leg2_pitch_full, toe_down)], share)
     pitch -= clamped_spline([(shape.leg2_descent, 0.0), (1.0 - shape.rest, toe_down)], share)
     return Swing(clamped_spline(x, share), np.full_like(share, step.start[1]), clamped_spline(z, share), pitch)

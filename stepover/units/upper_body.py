@@ -1,23 +1,132 @@
 """UBMG, the upper body motion generator. Sec. III-C3 and III-D.
 
-The chest turns against the waist, so that the upper body keeps looking ahead while the hips clear the way; the
-arms keep their half-sitting posture.
+The chest turns against the waist, so that the upper body keeps looking ahead while the hips clear the way. Where
+the leading knee would over-stretch before landing, the arms swing back: the CoM would follow, so the dynamic
+filter moves the waist ahead. While the arms accelerate back, the multi-body ZMP runs ahead (p_ref2 < 0); once
+they are back, it lies behind (p_ref2 > 0); both move the waist ahead.
+
+The filter may not see a posture that over-reaches. So what it will answer to the arms is computed with the legs
+held in half-sitting: the difference of two multi-body ZMPs, with and without the swing, needs no reach.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
+from scipy.interpolate import CubicHermiteSpline
 
+from stepover.model.obstacle import Obstacle
 from stepover.model.robot import Robot
+from stepover.units.com_waist import ComWaist
+from stepover.units.feet_trajectories import FeetTrajectories
+from stepover.units.leg_check import check_legs
+from stepover.units.preview_control import kajita_gains, track
+from stepover.units.step_sequence import LEG_1, LEG_2, StepSequence
 
 
-def upper_body(robot: Robot, waist_yaw: np.ndarray) -> np.ndarray:
-    """Configurations (N, nq) with the upper body set and the rest in half-sitting: step 5 of Algorithm 1.
+@dataclass(frozen=True, eq=False)
+class UpperBody:
+    """What UBMG decided.
+
+    Attributes:
+        q: (N, nq) configurations with the upper body set and the rest in half-sitting.
+        waist_shift: (N, 2) what the filter will answer to the arms [m].
+        zmp_change: (N, 2) what the arms do to the multi-body ZMP, -p_ref2 [m].
+        arm_swing: how far the arms go back [rad], 0 if UBMG idles.
+        knee_before, knee_after: smallest spare angle of the lead leg in phase 1 without and with the arms [rad],
+            counted from the margin that is asked for; -inf where a sole is out of reach.
+    """
+
+    q: np.ndarray
+    waist_shift: np.ndarray
+    zmp_change: np.ndarray
+    arm_swing: float
+    knee_before: float
+    knee_after: float
+
+
+def upper_body(
+    robot: Robot, obstacle: Obstacle, sequence: StepSequence, feet: FeetTrajectories, first: ComWaist, arms: str
+) -> UpperBody:
+    """Upper body trajectories: step 5 of Algorithm 1.
 
     Args:
         robot: the robot.
-        waist_yaw: (N,) [rad].
+        obstacle: the obstacle.
+        sequence: the steps.
+        feet: trajectories of the feet.
+        first: CoM and waist of CWTG1.
+        arms: "auto" swings them back as far as the lead knee needs, "on" as far as robot.toml allows, "off" not.
     """
+    none = np.zeros_like(sequence.zmp)
+    before = _knee_spare(robot, obstacle, sequence, feet, first.waist)
+    still = with_arms(robot, sequence, first.yaw, 0.0)
+    if arms == "off" or (arms == "auto" and before >= 0.0):
+        return UpperBody(still, none, none, 0.0, before, before)
+    largest = np.radians(robot.upper_body.arm_swing_max_deg)
+    swung = with_arms(robot, sequence, first.yaw, largest)
+    change = _zmp_change(robot, first.waist, still, swung)
+    dt = robot.walk.sample_time
+    answer = track(kajita_gains(robot.preview, dt), -change, robot.preview, dt).position
+    count = robot.upper_body.arm_swing_sizes
+    for share in np.arange(1, count + 1) / count if arms == "auto" else [1.0]:  # nearly linear in the angle
+        after = _knee_spare(robot, obstacle, sequence, feet, moved(first.waist, share * answer))
+        if after >= 0.0:
+            break
+    q = with_arms(robot, sequence, first.yaw, share * largest)
+    return UpperBody(q, share * answer, share * change, float(share * largest), before, after)
+
+
+def with_arms(robot: Robot, sequence: StepSequence, waist_yaw: np.ndarray, swing: float) -> np.ndarray:
+    """Configurations (N, nq): chest against the waist's yaw (N,), arms back by swing [rad] over the obstacle."""
     q = np.tile(robot.half_sitting(), (len(waist_yaw), 1))
     q[:, robot.body.column(robot.upper_body.chest_yaw)] = -waist_yaw
+    back = _arm_profile(robot, sequence) * swing
+    for joint in robot.upper_body.shoulders:
+        q[:, robot.body.column(joint)] += back
     return q
+
+
+def moved(waist: np.ndarray, shift: np.ndarray) -> np.ndarray:
+    """Waist poses (N, 7) moved horizontally by shift (N, 2)."""
+    result = waist.copy()
+    result[:, :2] += shift
+    return result
+
+
+def _arm_profile(robot: Robot, sequence: StepSequence) -> np.ndarray:
+    """Share (N,) of the arm swing: cubics back before leg 1 lands and forth while leg 2 steps over."""
+    first, second = sequence.step(LEG_1), sequence.step(LEG_2)
+    parts = robot.upper_body
+    one, two = (sequence.time[[step.lift_off, step.touch_down]] for step in (first, second))
+    times = [
+        one[0] + parts.arms_start * (one[1] - one[0]),
+        one[0] + parts.arms_back * (one[1] - one[0]),
+        two[0],
+        two[0] + parts.arms_forth * (two[1] - two[0]),
+    ]
+    curve = CubicHermiteSpline(times, [0.0, 1.0, 1.0, 0.0], np.zeros(4))
+    return np.asarray(curve(np.clip(sequence.time, times[0], times[-1])))
+
+
+def _zmp_change(robot: Robot, waist: np.ndarray, still: np.ndarray, swung: np.ndarray) -> np.ndarray:
+    """Change (N, 2) of the multi-body ZMP by the arms, with the legs held in half-sitting [m]."""
+    zmps = []
+    for upper in (swung, still):
+        q = upper.copy()
+        q[:, :7] = waist
+        zmps.append(robot.body.zmp(q, robot.walk.sample_time))
+    return np.asarray(zmps[0] - zmps[1])
+
+
+def _knee_spare(
+    robot: Robot, obstacle: Obstacle, sequence: StepSequence, feet: FeetTrajectories, waist: np.ndarray
+) -> float:
+    """Smallest spare angle [rad] of the lead leg's joints in phase 1; -inf where a sole is out of reach."""
+    step = sequence.step(LEG_1)
+    over = slice(step.lift_off, step.touch_down)
+    margin = np.radians(robot.verdict.knee_margin_deg + robot.upper_body.knee_spare_deg)
+    nothing = obstacle.profile(1e3, margins=False)
+    check = check_legs(robot, waist[over], feet.left[over], feet.right[over], nothing, margin)
+    return float(np.where(check.reach > 0.0, -np.inf, check.limit).min())

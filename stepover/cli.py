@@ -1,0 +1,235 @@
+"""The command line: plan, simulate, reproduce. What each one prints, and with which exit code it ends.
+
+Exit codes: 0 done; 2 bad input; 3 an obstacle that cannot be crossed; 4 the simulated robot fell or touched the
+obstacle; 130 interrupted. An error is one line on stderr. With --json, stdout is exactly one JSON object.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import os
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from stepover import __version__
+from stepover.errors import Infeasible, InvalidInput, StepOverError
+
+if TYPE_CHECKING:
+    from stepover.motion import Motion
+    from stepover.simulation.run import Run
+
+DONE, BAD_INPUT, INFEASIBLE, NOT_CROSSED, INTERRUPTED = 0, 2, 3, 4, 130
+
+
+class _Commands(click.Group):
+    """A group of commands whose errors are one line on stderr, with our exit codes."""
+
+    def main(self, *args: Any, **options: Any) -> Any:
+        """Run a command and leave with its exit code."""
+        options["standalone_mode"] = False
+        try:
+            sys.exit(super().main(*args, **options) or DONE)
+        except click.exceptions.NoArgsIsHelpError as error:
+            click.echo(error.format_message(), err=True)
+            sys.exit(BAD_INPUT)
+        except click.Abort:
+            _complain("interrupted", INTERRUPTED)
+        except click.ClickException as error:
+            context = getattr(error, "ctx", None)
+            hint = f"; see '{context.command_path} --help'" if context else ""
+            _complain(error.format_message().rstrip(".") + hint, BAD_INPUT)
+        except StepOverError as error:
+            _complain(str(error), exit_code(error))
+
+
+def exit_code(error: StepOverError) -> int:
+    """Exit code of an error: its own where it carries one, 3 for what cannot be crossed, else 2."""
+    return getattr(error, "exit_code", INFEASIBLE if isinstance(error, Infeasible) else BAD_INPUT)
+
+
+def _complain(message: str, code: int) -> None:
+    """Print one line on stderr and leave."""
+    click.echo(f"error: {' '.join(message.split())}", err=True)
+    sys.exit(code)
+
+
+def _new_file(context: click.Context, parameter: click.Parameter, value: str | None) -> Path | None:
+    """Refuse, before the work begins, a file that could not be written after it."""
+    if value is None:
+        return None
+    path, option = Path(value), f"--{parameter.name}"
+    if path.is_dir():
+        raise InvalidInput(f"{option} {path} is a folder; name a file in it")
+    if not path.parent.is_dir():
+        raise InvalidInput(f"{option} {path}: the folder {path.parent} does not exist; make it first")
+    if not os.access(path.parent, os.W_OK):
+        raise InvalidInput(f"{option} {path}: the folder {path.parent} cannot be written to")
+    return path
+
+
+def _pairs(context: click.Context, parameter: click.Parameter, values: tuple[str, ...]) -> dict[str, str]:
+    """Split name=value pairs, and refuse what is none or comes twice."""
+    pairs: dict[str, str] = {}
+    for value in values:
+        name, equals, text = value.partition("=")
+        if not (name and equals and text):
+            raise InvalidInput(f"{value!r} is not name=value")
+        if name in pairs:
+            raise InvalidInput(f"{name} is given twice: {pairs[name]} and {text}")
+        pairs[name] = text
+    return pairs
+
+
+@click.group(
+    name="stepover", cls=_Commands, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110}
+)
+@click.version_option(__version__, prog_name="stepover")
+def main() -> None:
+    """Humanoid robots that walk dynamically over large obstacles, after Stasse et al., T-RO 2009.
+
+    Lengths are in metres, times in seconds. Exit codes: 0 done, 2 bad input, 3 the obstacle cannot be crossed,
+    4 the simulated robot fell or touched the obstacle.
+    """
+
+
+@main.command()
+@click.option("--robot", default="hrp2", show_default=True, help="A name under data/, or a path to a robot.toml.")
+@click.option("--height", type=float, required=True, help="Height of the bare obstacle [m].")
+@click.option("--width", type=float, required=True, help="Width of the bare obstacle, along the way [m].")
+@click.option("--margin-height", type=float, default=0.03, show_default=True, help="Safety margin above it [m].")
+@click.option("--margin-width", type=float, default=0.03, show_default=True, help="Margin before and behind it [m].")
+@click.option("--distance", type=float, help="From between the ankles to its front face [m]; default: nominal steps.")
+@click.option(
+    "--arms", type=click.Choice(["auto", "on", "off"]), default="auto", show_default=True,
+    help="Swing the arms back: where the plan needs it, always, never.",
+)  # fmt: skip
+@click.option(
+    "--speed-limits", type=click.Choice(["ignore", "respect"]), default="ignore", show_default=True,
+    help="Joint speed limits; the paper ignores them.",
+)  # fmt: skip
+@click.option("--output", required=True, metavar="FILE", callback=_new_file, help="Where the motion goes (npz).")
+@click.option("--csv", metavar="FILE", callback=_new_file, help="Also as a table, one sample a row.")
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object (SI units) instead of the summary.")
+def plan(
+    robot: str,
+    height: float,
+    width: float,
+    margin_height: float,
+    margin_width: float,
+    distance: float | None,
+    arms: str,
+    speed_limits: str,
+    output: Path,
+    csv: Path | None,
+    as_json: bool,
+) -> None:
+    """Plan how to step over an obstacle, and write the motion to a file.
+
+    Example: python -m stepover plan --height 0.15 --width 0.05 --output motion.npz
+    """
+    from stepover.model.obstacle import Obstacle
+    from stepover.model.robot import load_robot
+    from stepover.planner import plan_in_detail
+    from stepover.report import summary
+
+    model, obstacle = load_robot(robot), Obstacle(height, width, margin_height, margin_width, distance)
+    planned = plan_in_detail(model, obstacle, arms=arms, speed_limits=speed_limits)
+    result = summary.plan_to_json(model, obstacle, planned)
+    planned.motion.save(output)
+    if csv is not None:
+        planned.motion.save_csv(csv)
+    click.echo(summary.as_line(result) if as_json else f"{summary.plan_summary(result)}\n\nwritten to {output}")
+
+
+@main.command()
+@click.argument("motion", metavar="MOTION.npz")
+@click.option(
+    "--actuators", type=click.Choice(["ideal", "limited"]), default="ideal", show_default=True,
+    help="Position-controlled motors without limits, as in the paper, or with limits.",
+)  # fmt: skip
+@click.option(
+    "--sole", type=click.Choice(["rigid", "compliant"]), default="rigid", show_default=True,
+    help="Rigid soles, or soles on rubber.",
+)  # fmt: skip
+@click.option("--stabilizer/--no-stabilizer", default=False, show_default=True, help="Feedback on the measured ZMP.")
+@click.option("--perturb", multiple=True, metavar="NAME=VALUE", callback=_pairs, help="A disturbance; may be repeated.")
+@click.option("--video", metavar="FILE", callback=_new_file, help="Film it from the side (mp4).")
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object (SI units) instead of the summary.")
+def simulate(
+    motion: str,
+    actuators: str,
+    sole: str,
+    stabilizer: bool,
+    perturb: dict[str, str],
+    video: Path | None,
+    as_json: bool,
+) -> None:
+    """Carry out a planned motion in the physics simulation.
+
+    Ends with exit code 4 where the robot falls or touches the obstacle; a plot of the second before it then goes
+    beside the video, or beside the motion.
+
+    Example: python -m stepover simulate motion.npz --video motion.mp4
+    """
+    from stepover.motion import Motion
+    from stepover.report import summary
+    from stepover.simulation.run import simulate as run_simulation
+
+    disturbances = {name: _number(name, text) for name, text in perturb.items()}
+    planned = Motion.load(motion)
+    run = run_simulation(planned, actuators=actuators, sole=sole, stabilizer=stabilizer, perturb=disturbances or None)
+    if video is not None:
+        from stepover.simulation.video import record
+
+        record(run, video)
+    result = run.to_json()
+    click.echo(summary.as_line(result) if as_json else summary.run_summary(result, run.crossed))
+    if video is not None and not as_json:
+        click.echo(f"\nfilmed in {video}")
+    if not run.crossed:
+        _complain(f"{summary.failure(result)}; {_plot_failure(planned, run, video or Path(motion))}", NOT_CROSSED)
+
+
+def _number(name: str, text: str) -> float:
+    """A finite number out of name=value."""
+    with contextlib.suppress(ValueError):
+        if math.isfinite(float(text)):
+            return float(text)
+    raise InvalidInput(f"{name} = {text!r} must be a finite number")
+
+
+def _plot_failure(motion: Motion, run: Run, beside: Path) -> str:
+    """Plot the second before the failure beside a file, or in build/; say where."""
+    from stepover.report import figures
+
+    folder = beside.parent
+    if not os.access(folder, os.W_OK):
+        folder = Path("build")
+        folder.mkdir(exist_ok=True)
+    path = folder / f"{beside.stem}_failure.png"
+    figures.save(figures.failure(motion, run), path)
+    return f"the second before it is drawn in {path}"
+
+
+@main.command()
+@click.option("--only", metavar="NOTEBOOK", help="Run this notebook alone, such as stepover_15cm.")
+@click.option(
+    "-p", "--parameter", "parameters", multiple=True, metavar="NAME=VALUE", callback=_pairs,
+    help="Change a parameter of the notebooks; may be repeated. Results go to build/ then.",
+)  # fmt: skip
+def reproduce(only: str | None, parameters: dict[str, str]) -> None:
+    """Run every notebook and write every figure to figures/; executed copies go to build/notebooks/.
+
+    With -p the figures go to build/figures/, so that an experiment never overwrites the reference.
+
+    Example: python -m stepover reproduce --only stepover_15cm -p height=0.1
+    """
+    from stepover.report.reproduce import checkout
+    from stepover.report.reproduce import reproduce as run_notebooks
+
+    for path in run_notebooks(checkout(), only, parameters):
+        click.echo(path)

@@ -1,0 +1,159 @@
+"""The motion in the physics: planned against simulated, contact forces, clearance, Fig. 10, and failures."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from stepover.model.collision import separation
+from stepover.model.robot import Robot
+from stepover.motion import Motion
+from stepover.report.figures.style import (
+    FIRST_STAGE,
+    LEFT,
+    OBSTACLE,
+    PLANNED,
+    REFERENCE,
+    RIGHT,
+    SIMULATED,
+    WAIST,
+    numbered,
+    panels,
+    shade_phases,
+    styled,
+    time_axis,
+)
+from stepover.simulation.measurements import Run
+from stepover.units.preview_control import GRAVITY
+
+BEFORE_FAILURE, AFTER_FAILURE = 1.0, 0.2
+"""What a plot of a failure shows [s]."""
+
+
+@styled
+def planned_and_simulated(run: Run) -> Figure:
+    """ZMP planned and measured, in x and y, and how far the waist is from its plan."""
+    motion, series = run.motion, run.series
+    figure, axes = panels(3, 6.0, sharex=True, height_ratios=[1.1, 1.1, 0.9])
+    for axis, name in enumerate("xy"):
+        panel = axes[axis, 0]
+        panel.plot(series.time, series.zmp[:, axis], color=SIMULATED, lw=1.0, label="ZMP, simulated")
+        panel.plot(motion.time, motion.zmp[:, axis], color=PLANNED, lw=1.0, label="ZMP, planned")
+        panel.plot(motion.time, motion.waist[:, axis], color=REFERENCE, ls="--", lw=1.0, label="waist, planned")
+        panel.plot(series.time, series.q[:, axis], color=WAIST, lw=1.0, label="waist, simulated")
+        panel.set_ylabel(f"{name} [m]")
+        panel.margins(y=0.12 if axis == 0 else 0.25)
+        panel.legend(loc="upper left" if axis == 0 else "upper right", ncols=2)
+    error = 1e3 * (series.q[:, :3] - motion.waist[: len(series.time), :3])
+    for axis, (name, colour) in enumerate((("x", PLANNED), ("y", FIRST_STAGE), ("z", WAIST))):
+        axes[2, 0].plot(series.time, error[:, axis], color=colour, lw=1.0, label=name)
+    axes[2, 0].set_ylabel("waist error [mm]")
+    axes[2, 0].legend(loc="upper left", ncols=3)
+    axes[2, 0].margins(y=0.25)
+    time_axis(axes[:, 0], motion)
+    numbered(axes, ["ahead", "across", "waist, simulated minus planned"])
+    return figure
+
+
+@styled
+def contact_forces(robot: Robot, run: Run) -> Figure:
+    """Vertical forces of the floor on each foot, and the robot's weight."""
+    motion, series = run.motion, run.series
+    figure, axes = panels(2, 4.2, sharex=True, sharey=True)
+    weight = robot.body.mass * GRAVITY
+    feet = (("left", series.left_wrench, LEFT, 1), ("right", series.right_wrench, RIGHT, -1))
+    for row, (name, wrench, colour, side) in enumerate(feet):
+        axis = axes[row, 0]
+        axis.plot(series.time, wrench[:, 2], color=colour, lw=0.9, label=f"{name} foot")
+        axis.axhline(weight, color=REFERENCE, ls="--", lw=0.9, label=f"weight, {weight:.0f} N")
+        landed = motion.footsteps[motion.footsteps[:, 1] == side, 0]
+        axis.plot(landed, np.zeros_like(landed), color=REFERENCE, marker="^", ls="", ms=5, label="planned touch-down")
+        axis.set_ylabel("vertical force [N]")
+        axis.margins(y=0.25)
+        axis.legend(loc="upper left", ncols=3)
+    time_axis(axes[:, 0], motion)
+    return figure
+
+
+@styled
+def clearance(robot: Robot, run: Run) -> Figure:
+    """Distance of the robot from the bare obstacle over time, planned and simulated, and the margin asked for."""
+    motion, series = run.motion, run.series
+    figure, axes = panels(1, 2.8)
+    axis = axes[0, 0]
+    axis.plot(motion.time, 1e3 * clearance_over_time(robot, motion), color=PLANNED, lw=1.6, label="planned")
+    axis.plot(series.time, 1e3 * series.clearance, color=SIMULATED, lw=0.9, label="simulated")
+    margin = 1e3 * min(motion.obstacle[3:5])
+    axis.axhline(margin, color=OBSTACLE, ls=":", lw=1.2, label="safety margin")
+    axis.axhline(0.0, color=OBSTACLE, lw=1.5, label="obstacle")
+    axis.set_ylabel("clearance [mm]")
+    time_axis(axes[:, 0], motion)
+    axis.set_ylim(min(-10.0, 1e3 * series.clearance.min() - 10.0), 300.0)
+    axis.legend(loc="upper right")
+    return figure
+
+
+@styled
+def strip(frames: np.ndarray, times: np.ndarray, columns: int = 5) -> Figure:
+    """Fig. 10: frames (K, H, W, 3) taken at times (K,) [s], row by row."""
+    rows = -(-len(frames) // columns)
+    height = 7.16 / columns * frames.shape[1] / frames.shape[2]
+    figure, axes = panels(rows, rows * (height + 0.03), columns=columns)
+    figure.get_layout_engine().set(w_pad=0.015, h_pad=0.015, wspace=0.0, hspace=0.0)  # type: ignore[union-attr,call-arg]
+    for axis in axes.ravel():
+        axis.set_axis_off()
+    for axis, frame, time in zip(axes.ravel(), frames, times, strict=False):
+        axis.imshow(frame)
+        axis.text(0.03, 0.96, f"{time:.2f} s", transform=axis.transAxes, va="top", fontsize=9)
+    return figure
+
+
+@styled
+def failure(robot: Robot, run: Run) -> Figure:
+    """The second before a robot falls or touches the obstacle: ZMP margin, clearance, waist, forces on the feet."""
+    series = run.series
+    sample = _failing_sample(run)
+    start, end = series.time[sample] - BEFORE_FAILURE, series.time[sample] + AFTER_FAILURE
+    near = (series.time >= start) & (series.time <= end)
+    figure, axes = panels(4, 6.6, sharex=True)
+    margin, distance, waist, forces = axes[:, 0]
+    margin.plot(series.time[near], 1e3 * series.zmp_margin[near], color=SIMULATED, label="ZMP to the support's edge")
+    distance.plot(series.time[near], 1e3 * series.clearance[near], color=SIMULATED, label="clearance")
+    error = 1e3 * (series.q[:, :3] - run.motion.waist[: len(series.time), :3])[near]
+    for axis, (name, colour) in enumerate((("x", PLANNED), ("y", FIRST_STAGE), ("z", WAIST))):
+        waist.plot(series.time[near], error[:, axis], color=colour, label=f"waist error, {name}")
+    for name, wrench, colour in (("left", series.left_wrench, LEFT), ("right", series.right_wrench, RIGHT)):
+        forces.plot(series.time[near], wrench[near, 2], color=colour, label=f"{name} foot")
+    forces.axhline(robot.body.mass * GRAVITY, color=REFERENCE, ls="--", lw=0.9, label="weight")
+    for axis, unit in zip(axes[:, 0], ("[mm]", "[mm]", "[mm]", "force [N]"), strict=True):
+        _frame(axis, run.motion, unit)
+        axis.axvline(series.time[sample], color=REFERENCE, lw=1.2)
+        axis.set_xlim(start, end)
+    for axis in (margin, distance):
+        axis.axhline(0.0, color=OBSTACLE, lw=1.2)
+    shade_phases(margin, run.motion, "long")
+    forces.set_xlabel("time [s]")
+    figure.suptitle(run.explanation.replace("; ", "\n"), fontsize=9, x=0.02, ha="left")
+    return figure
+
+
+def clearance_over_time(robot: Robot, motion: Motion) -> np.ndarray:
+    """Signed distance (N,) [m] of the planned robot from the bare obstacle, as the simulation measures its own."""
+    placements = robot.body.placements(motion.q)
+    return np.asarray(np.min([separation(shape, placements, motion.bare_obstacle) for shape in robot.shapes], axis=0))
+
+
+def _frame(axis: Axes, motion: Motion, unit: str) -> None:
+    """Phases, unit and legend of one panel."""
+    shade_phases(axis, motion)
+    axis.set_ylabel(unit)
+    axis.legend(loc="upper left", ncols=3)
+
+
+def _failing_sample(run: Run) -> int:
+    """Sample of the first contact with the obstacle or of the fall, whichever came first; else the last one."""
+    found = np.flatnonzero(np.isfinite(run.series.obstacle_depth))[:1].tolist()
+    if run.fall_time is not None:
+        found.append(int(np.searchsorted(run.series.time, run.fall_time)))
+    return min(found, default=len(run.series.time) - 1)

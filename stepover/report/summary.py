@@ -1,0 +1,118 @@
+"""What a plan and a run come to, as JSON for programs and as aligned lines for people."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+from typing import TYPE_CHECKING, Any
+
+from stepover.verdict import measure
+
+if TYPE_CHECKING:
+    from stepover.model.obstacle import Obstacle
+    from stepover.model.robot import Robot
+    from stepover.planner import Plan
+
+
+def plan_to_json(robot: Robot, obstacle: Obstacle, planned: Plan) -> dict[str, Any]:
+    """What `plan --json` prints, in SI units; `obstacle.distance` is where the front face really is."""
+    motion = planned.motion
+    return {
+        "robot": motion.robot,
+        "obstacle": dataclasses.asdict(obstacle) | {"distance": float(motion.obstacle[0])},
+        "key_configuration": dict(zip(("x_ads", "x_hds", "z_hds"), motion.key_configuration.tolist(), strict=True)),
+        **dataclasses.asdict(measure(robot, motion)),
+        "adaptations": planned.adaptations,
+        "planning_time": planned.planning_time,
+    }
+
+
+def plan_summary(result: dict[str, Any]) -> str:
+    """A plan for people: aligned, in the units that they think in."""
+    key, obstacle, times = result["key_configuration"], result["obstacle"], result["planning_time"]
+    first, after, error = (_mm(result[name]) for name in ("zmp_rms_first_stage", "zmp_rms", "zmp_error_max"))
+    did = ", ".join(f"{name.replace('_', ' ')}: {value}" for name, value in result["adaptations"].items())
+    rows = [
+        ("robot", result["robot"]),
+        ("obstacle", f"{obstacle['height']:.3f} m high, {obstacle['width']:.3f} m wide, "
+                     f"front face at {obstacle['distance']:.3f} m"),
+        ("margins", f"{obstacle['margin_height']:.3f} m above, {obstacle['margin_width']:.3f} m before and behind"),
+        ("key configuration", f"X_ads {key['x_ads']:.3f} m, X_hds {key['x_hds']:.3f} m, Z_hds {key['z_hds']:.3f} m"),
+        ("duration", f"{result['duration']:.2f} s, of which {result['step_over_duration']:.2f} s over the obstacle"),
+        ("ZMP error, rms", f"{after} mm in x, y ({first} mm before the dynamic filter)"),
+        ("ZMP error, largest", f"{error} mm in x, y"),
+        ("ZMP to support's edge", f"{1e3 * result['zmp_margin_min']:.1f} mm at least"),
+        ("clearance", f"{1e3 * result['clearance_min']:.1f} mm at least, "
+                      f"{result['clearance_link']} at {result['clearance_time']:.3f} s"),
+        ("joint margin", f"{math.degrees(result['joint_margin_min']):.1f} degrees at least, "
+                         f"{result['joint_margin_joint']}"),
+        ("joint speed", f"{result['joint_speed_ratio_max']:.2f} of its limit at most, {result['joint_speed_joint']}"),
+        ("CoM, double support", f"{1e3 * result['com_travel_double_support']:.1f} mm ahead over the obstacle"),
+        ("CoM, vertical", f"{result['com_acceleration_ratio_max']:.3f} g at most"),
+        ("adaptations", did or "none"),
+        ("planned in", f"{times['total']:.2f} s, of which {times['feasibility']:.2f} s in the feasibility unit"),
+    ]  # fmt: skip
+    return aligned(rows)
+
+
+def run_summary(result: dict[str, Any], crossed: bool) -> str:
+    """A run for people, from what `simulate --json` prints."""
+    landing = result["landing_force_peak"]
+    saturated = ", ".join(f"{joint} {count}" for joint, count in result["torque_saturated_samples"].items() if count)
+    rows = [
+        ("outcome", "crossed" if crossed else failure(result)),
+        ("set-up", f"{result['actuators']} actuators, {result['sole']} soles, "
+                   f"{'with' if result['stabilizer'] else 'no'} stabilizer"),
+        ("clearance", f"{_or_dash(result['clearance_min'], '{:.1f} mm at least', 1e3)}, {result['clearance_link']}"),
+        ("obstacle contacts", f"{result['obstacle_contacts']}"),
+        ("ZMP error, rms", f"{_mm(result['zmp_rms'])} mm in x, y"),
+        ("landing force, peak", ", ".join(f"{_or_dash(landing[leg], '{:.0f} N', 1.0)} ({leg} leg)" for leg in landing)),
+        ("waist error", _or_dash(result["waist_error_max"], "{:.1f} mm at most", 1e3)),
+        ("joint torque", _or_dash(result["torque_ratio_max"], "{:.2f} of its limit at most", 1.0)),
+        ("joint speed", _or_dash(result["speed_ratio_max"], "{:.2f} of its limit at most", 1.0)),
+        ("torque-saturated samples", saturated or "none"),
+        ("duration", f"{result['duration']:.2f} s, simulated "
+                     f"{_or_dash(result['realtime_factor'], '{:.1f} times faster than real time', 1.0)}"),
+        ("state hash", f"{result['state_hash']}"),
+    ]  # fmt: skip
+    return aligned(rows)
+
+
+def failure(result: dict[str, Any]) -> str:
+    """Why a run did not cross, in one line."""
+    if result["fell"]:
+        return f"the robot fell at {_or_dash(result['fall_time'], '{:.3f} s', 1.0)}: {result['fall_reason']}"
+    return f"the robot touched the obstacle: {result['fall_reason'] or result['clearance_link']}"
+
+
+def aligned(rows: list[tuple[str, str]]) -> str:
+    """Names on the left, values on the right."""
+    space = max(len(name) for name, _ in rows) + 2
+    return "\n".join(f"{name:<{space}}{value}" for name, value in rows)
+
+
+def as_line(value: Any) -> str:
+    """One line of JSON, with null for NaN."""
+    return json.dumps(_plain(value), allow_nan=False)
+
+
+def _plain(value: Any) -> Any:
+    """Numpy's scalars and arrays as Python's own, and None for what is not finite."""
+    if isinstance(value, dict):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    if hasattr(value, "tolist"):
+        return _plain(value.tolist())
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _mm(values: list[float]) -> str:
+    """Lengths [m] in millimetres."""
+    return ", ".join(_or_dash(value, "{:.1f}", 1e3) for value in values)
+
+
+def _or_dash(value: float | None, form: str, scale: float) -> str:
+    """A number in its form, or a dash where there is none."""
+    return "-" if value is None or not math.isfinite(value) else form.format(scale * value)

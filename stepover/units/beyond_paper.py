@@ -1,0 +1,47 @@
+"""What is added beyond the paper, where its own methods do not reach 3 cm: off by default, tried last.
+
+The ZMP reference moves inside the sole: towards the rear foot's toe before leg 1 lands, so that the waist comes
+ahead and the lead knee does not over-stretch; towards the front foot's heel after leg 2 has lifted off, so that
+the trailing knee does not, and ahead again while the trailing leg passes. And leg 2 comes down later and with more
+toe-down pitch, since FTA holds it back.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+
+from stepover.model.parameters import SteppingOver
+from stepover.model.robot import Robot
+from stepover.units.step_sequence import LEG_1, LEG_2, StepSequence
+
+
+def extra_shape(robot: Robot, level: float) -> SteppingOver:
+    """Shape of the feet trajectories at a level from 0, the paper's, to 1."""
+    paper, extra = robot.stepping_over, robot.beyond_paper
+    return dataclasses.replace(
+        paper,
+        leg2_descent=paper.leg2_descent + level * (extra.leg2_descent - paper.leg2_descent),
+        leg2_descent_drop=level,
+        leg2_pitch_per_height_deg=paper.leg2_pitch_per_height_deg * (1.0 + level * (extra.leg2_pitch_factor - 1.0)),
+    )
+
+
+def extra_zmp(robot: Robot, sequence: StepSequence, level: float) -> StepSequence:
+    """The sequence with its ZMP reference moved inside the soles, at a level from 0 to 1."""
+    extra, first, second = robot.beyond_paper, sequence.step(LEG_1), sequence.step(LEG_2)
+    swing = second.touch_down - second.lift_off
+    knots = [
+        (first.lift_off, 0.0),
+        (first.lift_off + extra.zmp_toe_at * (first.touch_down - first.lift_off), extra.zmp_toe),
+        (first.touch_down, extra.zmp_toe),
+        (second.lift_off, -extra.zmp_heel),
+        (second.lift_off + extra.zmp_heel_until * swing, -extra.zmp_heel),
+        (second.lift_off + extra.zmp_ahead_at * swing, extra.zmp_ahead),
+        (second.touch_down, 0.0),
+    ]
+    samples, offsets = np.array(knots).T
+    zmp = sequence.zmp.copy()
+    zmp[:, 0] += level * np.interp(np.arange(len(zmp)), samples, offsets)
+    return dataclasses.replace(sequence, zmp=zmp)

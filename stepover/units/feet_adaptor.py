@@ -1,0 +1,203 @@
+"""FTA, the feet trajectory adaptor: what the key configuration alone does not guarantee. Sec. III-E.
+
+A collision-free double support does not make a collision-free crossing: with high obstacles the trailing leg
+meets the safety boundary in phase 3. Three methods, in the paper's order: (1) the swing foot's horizontal
+trajectory moves back until nothing collides; (2) the waist rises, then the foot is adapted again; (3) a controller
+on the penetration distance, Eqs. (23)-(25), pushes the ankle where a small rest remains. All of them are zero, with
+zero speed, at lift-off and landing.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.ndimage import gaussian_filter1d, maximum_filter1d
+
+from stepover.model.obstacle import Obstacle
+from stepover.model.robot import Robot
+from stepover.units.feet_trajectories import FeetTrajectories, clamped_spline
+from stepover.units.leg_check import LegCheck, check_legs
+from stepover.units.penetration import ankle_displacements
+from stepover.units.step_sequence import LEG_2, Step, StepSequence
+
+
+@dataclass(frozen=True, eq=False)
+class Adaptation:
+    """What FTA did to the trailing leg.
+
+    Attributes:
+        feet: adapted trajectories.
+        waist_raise: (N,) [m].
+        shift: method (1), how far the foot went back [m].
+        raised: method (2), how far the waist rose [m].
+        pushed: method (3), largest displacement of the ankle [m].
+        start, end: first and last time at which anything differs [s], NaN if nothing does.
+        clear: whether the legs are free, within reach and limits along phase 3.
+    """
+
+    feet: FeetTrajectories
+    waist_raise: np.ndarray
+    shift: float
+    raised: float
+    pushed: float
+    start: float
+    end: float
+    clear: bool
+
+    @property
+    def acted(self) -> bool:
+        """Whether anything was adapted."""
+        return max(self.shift, self.raised, self.pushed) > 0.0
+
+
+    def still_clear(self, robot: Robot, obstacle: Obstacle, sequence: StepSequence, waist: np.ndarray) -> bool:
+        """Whether the adapted feet are free under another waist (N, 7), raised already: then FTA has nothing left."""
+        step = sequence.step(LEG_2)
+        swing = slice(step.lift_off, step.touch_down + 1)
+        check = _check(robot, obstacle, sequence, waist[swing], self.feet.left[swing], self.feet.right[swing])
+        return bool(check.good().all())
+
+
+METHODS = (1, 2, 3)
+"""The methods of Sec. III-E, for those who want to switch some off."""
+
+
+def adapt_feet(
+    robot: Robot,
+    obstacle: Obstacle,
+    sequence: StepSequence,
+    waist: np.ndarray,
+    feet: FeetTrajectories,
+    methods: tuple[int, ...] = METHODS,
+) -> Adaptation:
+    """Adapt the trailing leg until it is free: step 7 of Algorithm 1.
+
+    Args:
+        robot: the robot.
+        obstacle: the obstacle with its margins.
+        sequence: the steps.
+        waist: (N, 7) waist after the dynamic filter.
+        feet: trajectories of FTG.
+        methods: which of the three may be used.
+    """
+    adaptor, step = robot.adaptor, sequence.step(LEG_2)
+    shifts = np.arange(0.0, adaptor.shift_max + 1e-9, adaptor.shift_step) if 1 in methods else np.zeros(1)
+    raises = np.arange(0.0, adaptor.raise_max + 1e-9, adaptor.raise_step) if 2 in methods else np.zeros(1)
+    best: tuple[float, float, float] | None = None
+    for height in raises:  # (1), then (2) and (1) again
+        lifted = raise_waist(robot, sequence, waist, height)
+        free = shifted_clearances(robot, obstacle, sequence, lifted, feet, shifts)
+        if (free >= adaptor.spare).any():
+            first = int(np.argmax(free >= adaptor.spare))
+            return _adaptation(robot, obstacle, sequence, waist, feet, float(shifts[first]), float(height), ())
+        leader = int(np.argmax(free))
+        if best is None or free[leader] > best[0]:
+            best = (float(free[leader]), float(shifts[leader]), float(height))
+    push = (3,) if 3 in methods and best is not None and best[0] > -adaptor.push_max else ()
+    _, shift, height = best or (0.0, 0.0, 0.0)
+    return _adaptation(robot, obstacle, sequence, waist, feet, shift, height, push)
+
+
+def shift_back(robot: Robot, feet: FeetTrajectories, step: Step, distance: float) -> FeetTrajectories:
+    """Method (1): the swing foot's horizontal trajectory moved back, most at robot.adaptor.shift_peak of the swing."""
+    share = np.linspace(0.0, 1.0, step.touch_down - step.lift_off + 1)
+    peak, rest = robot.adaptor.shift_peak, 1.0 - robot.stepping_over.rest
+    bump = clamped_spline([(0.0, 0.0), (peak, distance), (rest, 0.0)], share)
+    return _displaced(feet, step, np.outer(-bump, [1.0, 0.0, 0.0]))
+
+
+def raise_waist(robot: Robot, sequence: StepSequence, waist: np.ndarray, height: float) -> np.ndarray:
+    """Method (2): the waist (N, 7) raised while the trailing leg steps over."""
+    return np.column_stack([waist[:, :2], waist[:, 2] + waist_bump(robot, sequence, height), waist[:, 3:]])
+
+
+def waist_bump(robot: Robot, sequence: StepSequence, height: float) -> np.ndarray:
+    """Extra waist height (N,) [m] of method (2): smooth, zero outside of phase 3."""
+    step = sequence.step(LEG_2)
+    share = (np.arange(len(sequence.time)) - step.lift_off) / (step.touch_down - step.lift_off)
+    return clamped_spline([(0.0, 0.0), (robot.adaptor.raise_peak, height), (1.0, 0.0)], share)
+
+
+def push_ankle(
+    robot: Robot, obstacle: Obstacle, sequence: StepSequence, waist: np.ndarray, feet: FeetTrajectories
+) -> FeetTrajectories:
+    """Method (3): the controller on the penetration distance, Eqs. (23)-(25), until nothing penetrates.
+
+    Each round computes the ankle's displacement at every colliding sample, spreads the largest smoothly over the
+    neighbouring ones, and moves the foot with it, its orientation kept.
+    """
+    step, adaptor = sequence.step(LEG_2), robot.adaptor
+    swing = slice(step.lift_off, step.touch_down + 1)
+    share = np.linspace(0.0, 1.0, step.touch_down - step.lift_off + 1)
+    window = np.minimum(1.0, np.minimum(share, 1.0 - share) / adaptor.push_taper)
+    window = window**2 * (3.0 - 2.0 * window)
+    width = adaptor.push_width * len(share)
+    for _ in range(adaptor.push_rounds):
+        rectangle = obstacle.profile(sequence.front_face, margins=True)
+        push = ankle_displacements(robot, step.side, waist[swing], feet.foot(step.side)[swing], rectangle, adaptor)
+        size = np.linalg.norm(push, axis=1)
+        if size.max() == 0.0:
+            break
+        direction = push.sum(axis=0) / np.linalg.norm(push.sum(axis=0))
+        spread = gaussian_filter1d(maximum_filter1d(size, int(width) | 1), width / 3.0)
+        feet = _displaced(feet, step, np.outer(spread * window, direction))
+    return feet
+
+
+def shifted_clearances(
+    robot: Robot,
+    obstacle: Obstacle,
+    sequence: StepSequence,
+    waist: np.ndarray,
+    feet: FeetTrajectories,
+    shifts: np.ndarray,
+) -> np.ndarray:
+    """Smallest separation (S,) [m] of the legs in phase 3 for each shift of method (1); -inf beyond reach or limits."""
+    step = sequence.step(LEG_2)
+    every = slice(step.lift_off, step.touch_down + 1, robot.adaptor.look_every)
+    soles = [shift_back(robot, feet, step, shift) for shift in shifts]
+    left, right = (np.concatenate([sole.foot(side)[every] for sole in soles]) for side in (1, -1))
+    check = _check(robot, obstacle, sequence, np.tile(waist[every], (len(shifts), 1)), left, right)
+    able = (check.reach <= 0.0) & (check.limit >= 0.0)
+    return np.where(able, check.separation, -np.inf).reshape(len(shifts), -1).min(axis=1)
+
+
+def _adaptation(
+    robot: Robot,
+    obstacle: Obstacle,
+    sequence: StepSequence,
+    waist: np.ndarray,
+    feet: FeetTrajectories,
+    shift: float,
+    height: float,
+    push: tuple[int, ...],
+) -> Adaptation:
+    """Apply what was found and say whether it is enough."""
+    step = sequence.step(LEG_2)
+    swing = slice(step.lift_off, step.touch_down + 1)
+    lifted = raise_waist(robot, sequence, waist, height)
+    shifted = shift_back(robot, feet, step, shift) if shift > 0.0 else feet
+    adapted = push_ankle(robot, obstacle, sequence, lifted, shifted) if push else shifted
+    moved = np.linalg.norm(adapted.foot(step.side)[:, :3] - shifted.foot(step.side)[:, :3], axis=1).max()
+    check = _check(robot, obstacle, sequence, lifted[swing], adapted.left[swing], adapted.right[swing])
+    bump = waist_bump(robot, sequence, height)
+    changed = np.abs(adapted.foot(step.side) - feet.foot(step.side)).max(axis=1) + bump > 1e-9
+    when = sequence.time[changed]
+    span = (float(when[0]), float(when[-1])) if changed.any() else (np.nan, np.nan)
+    return Adaptation(adapted, bump, shift, height, float(moved), *span, bool(check.good().all()))
+
+
+def _check(
+    robot: Robot, obstacle: Obstacle, sequence: StepSequence, waist: np.ndarray, left: np.ndarray, right: np.ndarray
+) -> LegCheck:
+    """Legs against the obstacle with its margins and the knee's margin of the verdict."""
+    rectangle = obstacle.profile(sequence.front_face, margins=True)
+    return check_legs(robot, waist, left, right, rectangle, np.radians(robot.verdict.knee_margin_deg))
+
+
+def _displaced(feet: FeetTrajectories, step: Step, change: np.ndarray) -> FeetTrajectories:
+    """Feet with the swing foot moved by change (n, 3) [m] from lift-off to touch-down."""
+    foot = feet.foot(step.side).copy()
+    foot[step.lift_off : step.touch_down + 1, :3] += change
+    return FeetTrajectories(foot, feet.right) if step.side > 0 else FeetTrajectories(feet.left, foot)
