@@ -34,12 +34,12 @@ class Effort:
     Attributes:
         arms: "auto", "on" or "off": UBMG.
         methods: which of FTA's three methods.
-        level: of what is added beyond the paper, 0 none to 1.
+        level: of what is added beyond the paper; 0: nothing.
     """
 
     arms: str = "auto"
     methods: tuple[int, ...] = METHODS
-    level: float = 0.0
+    level: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,12 +162,11 @@ def algorithm_1(robot: Robot, obstacle: Obstacle, key: KeyConfiguration, effort:
     Raises:
         Infeasible: a sole is out of reach, FTA finds no way, or the motion breaks a limit.
     """
-    body, dt, rest = robot.body, robot.walk.sample_time, robot.rest_zmp()
-    paper = step_sequence(robot, obstacle, key, rest)  # 2: FTG
-    sequence = extra_zmp(robot, paper, effort.level)
+    body, dt = robot.body, robot.walk.sample_time
+    sequence = extra_zmp(robot, step_sequence(robot, obstacle, key, robot.rest_zmp()), effort.level)  # 2: FTG
     ftg = feet_trajectories(robot, obstacle, sequence, extra_shape(robot, effort.level))
-    upper = upper_body(robot, obstacle, paper, ftg, com_and_waist(robot, paper, key), effort.arms)  # 5: UBMG
     first = com_and_waist(robot, sequence, key)  # 3: CWTG1
+    upper = upper_body(robot, obstacle, sequence, ftg, first, effort.arms)  # 5: UBMG
     waist, feet, adaptation = moved(first.waist, upper.waist_shift), ftg, None
     zmps: list[np.ndarray] = []
     for passes in range(1, robot.preview.filter_passes_max + 1):
@@ -178,7 +177,9 @@ def algorithm_1(robot: Robot, obstacle: Obstacle, key: KeyConfiguration, effort:
         if adaptation is not None and adaptation.still_clear(robot, obstacle, sequence, waist):
             break
         adaptation = adapt_feet(robot, obstacle, sequence, flat, ftg, effort.methods)  # 7: FTA
-        if not adaptation.acted and adaptation.clear:
+        if not adaptation.clear:
+            raise Infeasible(adaptation.explain(robot, obstacle, sequence, flat))
+        if not adaptation.acted:
             break
         feet, waist = adaptation.feet, raise_waist(robot, sequence, flat, adaptation.raised)
     assert adaptation is not None
@@ -214,16 +215,19 @@ def whole_body(
 def _efforts(robot: Robot, arms: str, extras: bool) -> list[Effort]:
     """What to try, in this order."""
     first = [Effort("off")] if arms == "auto" else []
-    levels = robot.beyond_paper.levels if extras else ()
+    levels = range(1, len(robot.beyond_paper.zmp_toe) + 1) if extras else ()
     return [*first, Effort(arms), *(Effort(arms, level=level) for level in levels)]
 
 
 def _first(robot: Robot, obstacle: Obstacle, keys: list[KeyConfiguration], efforts: list[Effort]) -> Plan:
     """The plan for the first effort and key configuration that work; the very first error where none does."""
     first_error: Infeasible | None = None
-    longest = keys[0].x_ads + robot.feasibility.step_length_more
+    search = robot.feasibility
     for effort in efforts:
-        for key in (key for key in keys if key.x_ads <= longest + 1e-9):
+        for key in keys:
+            ahead = (key.x_ads - keys[0].x_ads) / search.step_length_more_step
+            if key.x_ads - keys[0].x_ads > search.step_length_more + 1e-9 or abs(ahead - round(ahead)) > 1e-6:
+                continue
             try:
                 return algorithm_1(robot, obstacle, key, effort)
             except Infeasible as error:

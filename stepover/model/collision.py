@@ -21,6 +21,9 @@ from stepover.model.obstacle import LATERAL_HALF_EXTENT
 FLOOR_DEPTH = 1.0
 """How far below the floor the obstacle's solid reaches [m]: no way out of a penetration leads downwards."""
 
+NEAR = 0.05
+"""Separation [m] up to which a shape's own axes are asked for a better bound."""
+
 
 @dataclass(frozen=True, eq=False)
 class Shape:
@@ -71,25 +74,30 @@ def profile(shape: Shape, placements: Placements) -> np.ndarray:
 def separation(shape: Shape, placements: Placements, rectangle: np.ndarray) -> np.ndarray:
     """Signed separation (N,) [m] of a shape from a rectangle x_min, x_max, z_min, z_max (4,) or (N, 4).
 
-    Negative: the depth of the penetration; positive: a lower bound of the distance.
+    Negative: the depth of the penetration; positive: a lower bound of the distance. The axes of the rectangle come
+    first; those of the shape are asked only where they leave less than NEAR.
     """
     corners = profile(shape, placements)
-    directions = shape.edges @ np.swapaxes(placements.rotations[:, shape.joint][:, [0, 2]], 1, 2)
-    lengths = np.linalg.norm(directions, axis=2, keepdims=True)
-    normals = directions[..., ::-1] * [1.0, -1.0] / np.maximum(lengths, 1e-9)
-    x_min, x_max, z_min, z_max = np.moveaxis(np.broadcast_to(rectangle, (len(corners), 4)), 1, 0)[:, :, None]
+    low, high = rectangle[..., 0::2], rectangle[..., 1::2]
+    result = np.maximum(corners.min(axis=1) - high, low - corners.max(axis=1)).max(axis=1)
+    near = np.flatnonzero(result < NEAR)
+    if len(near):
+        limits = np.broadcast_to(rectangle, (len(corners), 4))[near]
+        directions = shape.edges @ np.swapaxes(placements.rotations[near, shape.joint][:, [0, 2]], 1, 2)
+        result[near] = np.maximum(result[near], _along_edges(corners[near], directions, limits))
+    return result
+
+
+def _along_edges(corners: np.ndarray, directions: np.ndarray, rectangle: np.ndarray) -> np.ndarray:
+    """Largest separation (n,) over the normals of projected edges (n, E, 2), of corners (n, V, 2) and (n, 4)."""
+    lengths = np.linalg.norm(directions, axis=2)
+    normals = directions[..., ::-1] * [1.0, -1.0] / np.maximum(lengths, 1e-9)[..., None]
     along = corners @ np.swapaxes(normals, 1, 2)
-    low = np.minimum(normals[..., 0] * x_min, normals[..., 0] * x_max) + np.minimum(
-        normals[..., 1] * z_min, normals[..., 1] * z_max
-    )
-    high = np.maximum(normals[..., 0] * x_min, normals[..., 0] * x_max) + np.maximum(
-        normals[..., 1] * z_min, normals[..., 1] * z_max
-    )
-    tilted = np.maximum(along.min(axis=1) - high, low - along.max(axis=1))
-    tilted = np.where(lengths[..., 0] > 1e-6, tilted, -np.inf).max(axis=1)
-    least, most = corners.min(axis=1), corners.max(axis=1)
-    square = [least[:, 0] - x_max[:, 0], x_min[:, 0] - most[:, 0], least[:, 1] - z_max[:, 0], z_min[:, 0] - most[:, 1]]
-    return np.maximum(tilted, np.max(square, axis=0))
+    middle = (rectangle[:, None, 0::2] + rectangle[:, None, 1::2]) / 2.0
+    half = (rectangle[:, None, 1::2] - rectangle[:, None, 0::2]) / 2.0
+    centre, reach = (normals * middle).sum(axis=2), (np.abs(normals) * half).sum(axis=2)
+    apart = np.maximum(along.min(axis=1) - centre, centre - along.max(axis=1)) - reach
+    return np.where(lengths > 1e-6, apart, -np.inf).max(axis=1)
 
 
 def clearance(shapes: list[Shape], placements: Placements, rectangle: np.ndarray) -> Clearance:

@@ -89,6 +89,7 @@ class Feasibility:
     knee_margin_deg: float
     step_length_max: float
     step_length_more: float
+    step_length_more_step: float
     step_length_step: float
     waist_height_min: float
     waist_height_step: float
@@ -151,17 +152,23 @@ class Adaptor:
 
 @dataclass(frozen=True)
 class Beyond:
-    """What is added beyond the paper where its own methods do not reach. Lengths in m, times as shares."""
+    """What is added beyond the paper where its own methods do not reach; lengths in m, times as shares.
 
-    levels: tuple[float, ...]
-    zmp_toe: float
+    Level n uses all of it with zmp_toe[n - 1].
+    """
+
+    zmp_toe: tuple[float, ...]
     zmp_heel: float
     zmp_ahead: float
     zmp_toe_at: float
     zmp_heel_until: float
     zmp_ahead_at: float
+    leg2_rise: float
     leg2_descent: float
-    leg2_pitch_factor: float
+    leg2_descent_drop: float
+    leg2_pitch_start: float
+    leg2_pitch_full: float
+    leg2_pitch_per_height_deg: float
 
 
 @dataclass(frozen=True)

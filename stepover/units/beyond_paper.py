@@ -17,25 +17,24 @@ from stepover.model.robot import Robot
 from stepover.units.step_sequence import LEG_1, LEG_2, StepSequence
 
 
-def extra_shape(robot: Robot, level: float) -> SteppingOver:
-    """Shape of the feet trajectories at a level from 0, the paper's, to 1."""
-    paper, extra = robot.stepping_over, robot.beyond_paper
-    return dataclasses.replace(
-        paper,
-        leg2_descent=paper.leg2_descent + level * (extra.leg2_descent - paper.leg2_descent),
-        leg2_descent_drop=level,
-        leg2_pitch_per_height_deg=paper.leg2_pitch_per_height_deg * (1.0 + level * (extra.leg2_pitch_factor - 1.0)),
-    )
+def extra_shape(robot: Robot, level: int) -> SteppingOver:
+    """Shape of the feet trajectories: the paper's at level 0, beyond it from level 1 on."""
+    if level == 0:
+        return robot.stepping_over
+    fields = dataclasses.asdict(robot.beyond_paper)
+    return dataclasses.replace(robot.stepping_over, **{k: v for k, v in fields.items() if k.startswith("leg2_")})
 
 
-def extra_zmp(robot: Robot, sequence: StepSequence, level: float) -> StepSequence:
-    """The sequence with its ZMP reference moved inside the soles, at a level from 0 to 1."""
+def extra_zmp(robot: Robot, sequence: StepSequence, level: int) -> StepSequence:
+    """The sequence with its ZMP reference moved inside the soles, as far as the level says; as it is at level 0."""
+    if level == 0:
+        return sequence
     extra, first, second = robot.beyond_paper, sequence.step(LEG_1), sequence.step(LEG_2)
-    swing = second.touch_down - second.lift_off
+    toe, swing = extra.zmp_toe[level - 1], second.touch_down - second.lift_off
     knots = [
         (first.lift_off, 0.0),
-        (first.lift_off + extra.zmp_toe_at * (first.touch_down - first.lift_off), extra.zmp_toe),
-        (first.touch_down, extra.zmp_toe),
+        (first.lift_off + extra.zmp_toe_at * (first.touch_down - first.lift_off), toe),
+        (first.touch_down, toe),
         (second.lift_off, -extra.zmp_heel),
         (second.lift_off + extra.zmp_heel_until * swing, -extra.zmp_heel),
         (second.lift_off + extra.zmp_ahead_at * swing, extra.zmp_ahead),
@@ -43,5 +42,5 @@ def extra_zmp(robot: Robot, sequence: StepSequence, level: float) -> StepSequenc
     ]
     samples, offsets = np.array(knots).T
     zmp = sequence.zmp.copy()
-    zmp[:, 0] += level * np.interp(np.arange(len(zmp)), samples, offsets)
+    zmp[:, 0] += np.interp(np.arange(len(zmp)), samples, offsets)
     return dataclasses.replace(sequence, zmp=zmp)

@@ -17,7 +17,7 @@ from scipy.ndimage import gaussian_filter1d, maximum_filter1d
 from stepover.model.obstacle import Obstacle
 from stepover.model.robot import Robot
 from stepover.units.feet_trajectories import FeetTrajectories, clamped_spline
-from stepover.units.leg_check import LegCheck, check_legs
+from stepover.units.leg_check import LegCheck, check_legs, leg_shapes
 from stepover.units.penetration import ankle_displacements
 from stepover.units.step_sequence import LEG_2, Step, StepSequence
 
@@ -53,10 +53,22 @@ class Adaptation:
 
     def still_clear(self, robot: Robot, obstacle: Obstacle, sequence: StepSequence, waist: np.ndarray) -> bool:
         """Whether the adapted feet are free under another waist (N, 7), raised already: then FTA has nothing left."""
+        return _is_clear(robot, obstacle, sequence, waist, self.feet)
+
+    def explain(self, robot: Robot, obstacle: Obstacle, sequence: StepSequence, waist: np.ndarray) -> str:
+        """What remains where the adaptation is not clear: the link, the depth and when, for a waist (N, 7) not raised."""
         step = sequence.step(LEG_2)
         swing = slice(step.lift_off, step.touch_down + 1)
-        check = _check(robot, obstacle, sequence, waist[swing], self.feet.left[swing], self.feet.right[swing])
-        return bool(check.good().all())
+        lifted = raise_waist(robot, sequence, waist, self.raised)[swing]
+        check = _check(robot, obstacle, sequence, lifted, self.feet.left[swing], self.feet.right[swing])
+        worst = int(np.argmin(check.separation))
+        if check.separation[worst] >= 0.0:
+            worst = int(np.argmin(np.where(check.reach > 0.0, -1e3 * check.reach, check.limit)))
+            what = "the trailing leg comes beyond its reach or its joint limits"
+            return f"FTA finds no way: {what} at t = {sequence.time[swing][worst]:.3f} s (phase 3)"
+        link, depth = leg_shapes(robot)[check.shape[worst]].link, -1e3 * check.separation[worst]
+        what = f"{link} stays {depth:.1f} mm inside the obstacle's safety margin"
+        return f"FTA finds no way: {what} at t = {sequence.time[swing][worst]:.3f} s (phase 3)"
 
 
 METHODS = (1, 2, 3)
@@ -81,21 +93,21 @@ def adapt_feet(
         feet: trajectories of FTG.
         methods: which of the three may be used.
     """
-    adaptor, step = robot.adaptor, sequence.step(LEG_2)
+    adaptor = robot.adaptor
+    if _is_clear(robot, obstacle, sequence, waist, feet):
+        return _adaptation(robot, obstacle, sequence, waist, feet, 0.0, 0.0, push=False)
     shifts = np.arange(0.0, adaptor.shift_max + 1e-9, adaptor.shift_step) if 1 in methods else np.zeros(1)
     raises = np.arange(0.0, adaptor.raise_max + 1e-9, adaptor.raise_step) if 2 in methods else np.zeros(1)
-    best: tuple[float, float, float] | None = None
+    best = (-np.inf, 0.0, 0.0)
     for height in raises:  # (1), then (2) and (1) again
-        lifted = raise_waist(robot, sequence, waist, height)
-        free = shifted_clearances(robot, obstacle, sequence, lifted, feet, shifts)
-        if (free >= adaptor.spare).any():
-            first = int(np.argmax(free >= adaptor.spare))
-            return _adaptation(robot, obstacle, sequence, waist, feet, float(shifts[first]), float(height), ())
-        leader = int(np.argmax(free))
-        if best is None or free[leader] > best[0]:
-            best = (float(free[leader]), float(shifts[leader]), float(height))
-    push = (3,) if 3 in methods and best is not None and best[0] > -adaptor.push_max else ()
-    _, shift, height = best or (0.0, 0.0, 0.0)
+        free = clearances(robot, obstacle, sequence, raise_waist(robot, sequence, waist, height), feet, shifts)
+        enough = free >= adaptor.spare
+        first = int(np.argmax(enough) if enough.any() else np.argmax(free))
+        best = max(best, (float(free[first]), float(shifts[first]), float(height)))
+        if enough.any():
+            break
+    free_by, shift, height = best
+    push = 3 in methods and -adaptor.push_max < free_by < adaptor.spare
     return _adaptation(robot, obstacle, sequence, waist, feet, shift, height, push)
 
 
@@ -136,16 +148,15 @@ def push_ankle(
     for _ in range(adaptor.push_rounds):
         rectangle = obstacle.profile(sequence.front_face, margins=True)
         push = ankle_displacements(robot, step.side, waist[swing], feet.foot(step.side)[swing], rectangle, adaptor)
-        size = np.linalg.norm(push, axis=1)
-        if size.max() == 0.0:
+        if not push.any():
             break
-        direction = push.sum(axis=0) / np.linalg.norm(push.sum(axis=0))
-        spread = gaussian_filter1d(maximum_filter1d(size, int(width) | 1), width / 3.0)
-        feet = _displaced(feet, step, np.outer(spread * window, direction))
+        ahead, back = (maximum_filter1d(np.maximum(way, 0.0), int(width) | 1, axis=0) for way in (push, -push))
+        spread = gaussian_filter1d(ahead - back, width / 3.0, axis=0)
+        feet = _displaced(feet, step, spread * window[:, None])
     return feet
 
 
-def shifted_clearances(
+def clearances(
     robot: Robot,
     obstacle: Obstacle,
     sequence: StepSequence,
@@ -171,21 +182,30 @@ def _adaptation(
     feet: FeetTrajectories,
     shift: float,
     height: float,
-    push: tuple[int, ...],
+    push: bool,
 ) -> Adaptation:
     """Apply what was found and say whether it is enough."""
     step = sequence.step(LEG_2)
-    swing = slice(step.lift_off, step.touch_down + 1)
     lifted = raise_waist(robot, sequence, waist, height)
     shifted = shift_back(robot, feet, step, shift) if shift > 0.0 else feet
     adapted = push_ankle(robot, obstacle, sequence, lifted, shifted) if push else shifted
     moved = np.linalg.norm(adapted.foot(step.side)[:, :3] - shifted.foot(step.side)[:, :3], axis=1).max()
-    check = _check(robot, obstacle, sequence, lifted[swing], adapted.left[swing], adapted.right[swing])
+    clear = _is_clear(robot, obstacle, sequence, lifted, adapted)
     bump = waist_bump(robot, sequence, height)
     changed = np.abs(adapted.foot(step.side) - feet.foot(step.side)).max(axis=1) + bump > 1e-9
     when = sequence.time[changed]
     span = (float(when[0]), float(when[-1])) if changed.any() else (np.nan, np.nan)
-    return Adaptation(adapted, bump, shift, height, float(moved), *span, bool(check.good().all()))
+    return Adaptation(adapted, bump, shift, height, float(moved), *span, clear)
+
+
+def _is_clear(
+    robot: Robot, obstacle: Obstacle, sequence: StepSequence, waist: np.ndarray, feet: FeetTrajectories
+) -> bool:
+    """Whether the legs are free, within reach and limits along phase 3."""
+    step = sequence.step(LEG_2)
+    swing = slice(step.lift_off, step.touch_down + 1)
+    check = _check(robot, obstacle, sequence, waist[swing], feet.left[swing], feet.right[swing])
+    return bool(check.good().all())
 
 
 def _check(
