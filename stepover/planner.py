@@ -241,12 +241,13 @@ def _slowed(robot: Robot, obstacle: Obstacle, found: Plan, efforts: list[Effort]
     """The motion with a longer single support over the obstacle, until no joint exceeds its speed limit."""
     slower = robot
     for _ in range(robot.verdict.slowings):
-        ratio = speed_ratio(slower, found.motion)[0]
+        ratio, _, when = speed_ratio(slower, found.motion)
         if ratio <= 1.0:
             return found
-        longer = slower.walk.single_support_over * min(max(1.02 * ratio, 1.05), 1.3)
-        samples = np.ceil(longer / slower.walk.sample_time)
-        walk = dataclasses.replace(slower.walk, single_support_over=float(samples * slower.walk.sample_time))
+        trailing = when > found.motion.time[found.motion.samples(2).stop]
+        name = "single_support_leg_2" if trailing else "single_support_over"
+        samples = np.ceil(getattr(slower.walk, name) * min(max(1.02 * ratio, 1.05), 1.2) / slower.walk.sample_time)
+        walk = dataclasses.replace(slower.walk, **{name: float(samples * slower.walk.sample_time)})
         slower = dataclasses.replace(robot, walk=walk)
         found = _first(slower, obstacle, key_configurations(slower, obstacle), efforts)
     ratio, joint, when = speed_ratio(slower, found.motion)

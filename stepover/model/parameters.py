@@ -76,6 +76,7 @@ class Walk:
     single_support: float
     double_support: float
     single_support_over: float
+    single_support_leg_2: float
     double_support_over: float
     standing: float
     lift: float

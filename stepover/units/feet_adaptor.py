@@ -50,7 +50,6 @@ class Adaptation:
         """Whether anything was adapted."""
         return max(self.shift, self.raised, self.pushed) > 0.0
 
-
     def still_clear(self, robot: Robot, obstacle: Obstacle, sequence: StepSequence, waist: np.ndarray) -> bool:
         """Whether the adapted feet are free under another waist (N, 7), raised already: then FTA has nothing left."""
         return _is_clear(robot, obstacle, sequence, waist, self.feet)

@@ -88,7 +88,8 @@ def step_sequence(
     now += _samples(walk.double_support, dt)
     plan, front_face = _footholds(robot, obstacle, key, leading)
     for index, (side, kind, x) in enumerate(plan):
-        single = walk.single_support if kind == NORMAL else walk.single_support_over
+        over = walk.single_support_leg_2 if kind == LEG_2 else walk.single_support_over
+        single = walk.single_support if kind == NORMAL else over
         double = walk.double_support if kind == NORMAL else walk.double_support_over
         end = (x, feet[side][1])
         step = Step(side, kind, feet[side], end, now, now + _samples(single, dt))

@@ -5,13 +5,15 @@ the leading knee would over-stretch before landing, the arms swing back: the CoM
 filter moves the waist ahead. While the arms accelerate back, the multi-body ZMP runs ahead (p_ref2 < 0); once
 they are back, it lies behind (p_ref2 > 0); both move the waist ahead.
 
-The filter may not see a posture that over-reaches. So what it will answer to the arms is computed with the legs
-held in half-sitting: the difference of two multi-body ZMPs, with and without the swing, needs no reach.
+The filter may not see a posture that over-reaches. So what it will answer to the arms is computed in half-sitting:
+the ZMP of the standing robot that swings its arms needs no reach, and the rest of the motion adds nothing to it, as
+the chest looks ahead throughout.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
@@ -65,10 +67,7 @@ def upper_body(
     if arms == "off" or (arms == "auto" and before >= 0.0):
         return UpperBody(still, none, none, 0.0, before, before)
     largest = np.radians(robot.upper_body.arm_swing_max_deg)
-    swung = with_arms(robot, sequence, first.yaw, largest)
-    change = _zmp_change(robot, first.waist, still, swung)
-    dt = robot.walk.sample_time
-    answer = track(kajita_gains(robot.preview, dt), -change, robot.preview, dt).position
+    change, answer = arm_response(robot, _swing_times(robot, sequence), len(sequence.time))
     count = robot.upper_body.arm_swing_sizes
     for share in np.arange(1, count + 1) / count if arms == "auto" else [1.0]:  # nearly linear in the angle
         after = _knee_spare(robot, obstacle, sequence, feet, moved(first.waist, share * answer))
@@ -82,7 +81,7 @@ def with_arms(robot: Robot, sequence: StepSequence, waist_yaw: np.ndarray, swing
     """Configurations (N, nq): chest against the waist's yaw (N,), arms back by swing [rad] over the obstacle."""
     q = np.tile(robot.half_sitting(), (len(waist_yaw), 1))
     q[:, robot.body.column(robot.upper_body.chest_yaw)] = -waist_yaw
-    back = _arm_profile(robot, sequence) * swing
+    back = _profile(_swing_times(robot, sequence), sequence.time) * swing
     for joint in robot.upper_body.shoulders:
         q[:, robot.body.column(joint)] += back
     return q
@@ -95,29 +94,39 @@ def moved(waist: np.ndarray, shift: np.ndarray) -> np.ndarray:
     return result
 
 
-def _arm_profile(robot: Robot, sequence: StepSequence) -> np.ndarray:
-    """Share (N,) of the arm swing: cubics back before leg 1 lands and forth while leg 2 steps over."""
-    first, second = sequence.step(LEG_1), sequence.step(LEG_2)
+@lru_cache(maxsize=16)
+def arm_response(robot: Robot, times: tuple[float, ...], count: int) -> tuple[np.ndarray, np.ndarray]:
+    """What the largest arm swing does to the ZMP of the standing robot, and what the filter answers.
+
+    Args:
+        robot: the robot.
+        times: start back, back, start forth, forth [s].
+        count: number of samples.
+
+    Returns:
+        Change of the multi-body ZMP (count, 2) and the waist's answer (count, 2) [m].
+    """
+    dt = robot.walk.sample_time
+    q = np.tile(robot.half_sitting(), (count, 1))
+    swing = np.radians(robot.upper_body.arm_swing_max_deg) * _profile(times, np.arange(count) * dt)
+    for joint in robot.upper_body.shoulders:
+        q[:, robot.body.column(joint)] += swing
+    change = robot.body.zmp(q, dt) - robot.rest_zmp()
+    return change, track(kajita_gains(robot.preview, dt), -change, robot.preview, dt).position
+
+
+def _swing_times(robot: Robot, sequence: StepSequence) -> tuple[float, ...]:
+    """When the arms start back, are back, start forth and hang again [s]: before leg 1 lands, while leg 2 steps."""
     parts = robot.upper_body
-    one, two = (sequence.time[[step.lift_off, step.touch_down]] for step in (first, second))
-    times = [
-        one[0] + parts.arms_start * (one[1] - one[0]),
-        one[0] + parts.arms_back * (one[1] - one[0]),
-        two[0],
-        two[0] + parts.arms_forth * (two[1] - two[0]),
-    ]
-    curve = CubicHermiteSpline(times, [0.0, 1.0, 1.0, 0.0], np.zeros(4))
-    return np.asarray(curve(np.clip(sequence.time, times[0], times[-1])))
+    one, two = (sequence.time[[step.lift_off, step.touch_down]] for step in map(sequence.step, (LEG_1, LEG_2)))
+    back = (one[0] + parts.arms_start * (one[1] - one[0]), one[0] + parts.arms_back * (one[1] - one[0]))
+    forth = (two[0], two[0] + parts.arms_forth * (two[1] - two[0]))
+    return tuple(float(time) for time in (*back, *forth))
 
 
-def _zmp_change(robot: Robot, waist: np.ndarray, still: np.ndarray, swung: np.ndarray) -> np.ndarray:
-    """Change (N, 2) of the multi-body ZMP by the arms, with the legs held in half-sitting [m]."""
-    zmps = []
-    for upper in (swung, still):
-        q = upper.copy()
-        q[:, :7] = waist
-        zmps.append(robot.body.zmp(q, robot.walk.sample_time))
-    return np.asarray(zmps[0] - zmps[1])
+def _profile(times: tuple[float, ...], at: np.ndarray) -> np.ndarray:
+    """Share (N,) of the arm swing at times (N,) [s]: cubics back and forth."""
+    return np.asarray(CubicHermiteSpline(times, [0.0, 1.0, 1.0, 0.0], np.zeros(4))(np.clip(at, times[0], times[-1])))
 
 
 def _knee_spare(
