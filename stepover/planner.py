@@ -166,10 +166,10 @@ def algorithm_1(robot: Robot, obstacle: Obstacle, key: KeyConfiguration, effort:
     sequence = extra_zmp(robot, step_sequence(robot, obstacle, key, robot.rest_zmp()), effort.level)  # 2: FTG
     ftg = feet_trajectories(robot, obstacle, sequence, extra_shape(robot, effort.level))
     first = com_and_waist(robot, sequence, key)  # 3: CWTG1
-    upper = upper_body(robot, obstacle, sequence, ftg, first, effort.arms)  # 5: UBMG
+    upper = upper_body(robot, sequence, ftg, first, effort.arms)  # 5: UBMG
     waist, feet, adaptation = moved(first.waist, upper.waist_shift), ftg, None
     zmps: list[np.ndarray] = []
-    for passes in range(1, robot.preview.filter_passes_max + 1):
+    for _ in range(robot.preview.filter_passes_max):
         q = whole_body(robot, waist, feet, upper.q, sequence.time)  # 4: IK
         zmps.append(body.zmp(q, dt))
         waist = filtered_waist(robot, waist, sequence.zmp, zmps[-1])  # 6: CWTG2
@@ -193,7 +193,7 @@ def algorithm_1(robot: Robot, obstacle: Obstacle, key: KeyConfiguration, effort:
         obstacle=obstacle_row(obstacle, sequence.front_face), robot=robot.name, format=FORMAT, version=__version__,
     )  # fmt: skip
     require(robot, obstacle, motion)
-    return Plan(motion, key, sequence, ftg, first, upper, adaptation, effort, passes, {})
+    return Plan(motion, key, sequence, ftg, first, upper, adaptation, effort, len(zmps), {})
 
 
 def whole_body(

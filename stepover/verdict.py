@@ -9,7 +9,7 @@ import numpy as np
 
 from stepover.errors import Infeasible
 from stepover.model.body import Placements
-from stepover.model.collision import clearance, separation
+from stepover.model.collision import clearance, self_clearance, separation
 from stepover.model.obstacle import Obstacle
 from stepover.model.robot import Robot
 from stepover.model.support import zmp_margin
@@ -106,6 +106,10 @@ def require(robot: Robot, obstacle: Obstacle, motion: Motion) -> None:
     missing = margin[:, None] - robot.verdict.zmp_margin
     _refuse(motion, missing, ["the ZMP"], lambda x: 1e3 * x, "mm short of its margin to the support polygon's edge")
     placements = body.placements(motion.q)
+    look = np.arange(0, len(motion.time), robot.verdict.self_look_every)
+    distance, one, other, sample = self_clearance(robot.own_pairs, placements, look)
+    if distance <= 0.0:
+        raise Infeasible(f"{one} and {other} meet, {-1e3 * distance:.1f} mm deep, at t = {motion.time[sample]:.3f} s")
     front = float(motion.obstacle[0])
     free = np.column_stack([free_distance(robot, obstacle, front, s, placements) for s in range(len(robot.shapes))])
     links = [shape.link for shape in robot.shapes]

@@ -71,11 +71,13 @@ class Body:
         pin.computeJointJacobians(self._model, data, pin.neutral(self._model))
         return np.array([np.ravel(data.joints[i].S)[3:] for i in range(2, self._model.njoints)])
 
-    @property
-    def leg_mass_below(self) -> dict[str, float]:
-        """Mass [kg] that hangs on each joint."""
-        children = {i: list(self._model.subtrees[i]) for i in range(1, self._model.njoints)}
-        return {self._model.names[i]: float(self._masses[links].sum()) for i, links in children.items()}
+    def mass_beyond(self, joint: str) -> float:
+        """Mass [kg] that hangs on a joint."""
+        return float(self._masses[list(self._model.subtrees[self.index(joint)])].sum())
+
+    def beyond(self, joints: Sequence[str], further: int) -> set[int]:
+        """Indices of all joints that move with one of some joints, from as many links further out."""
+        return {i for joint in joints for i in list(self._model.subtrees[self.index(joint)])[further:]}
 
     def column(self, joint: str) -> int:
         """Column of a joint in q, or InvalidInput."""

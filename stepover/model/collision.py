@@ -126,6 +126,33 @@ def exact_distance(shape: Shape, placements: Placements, sample: int, rectangle:
     return float(coal.distance(shape.solid, where, beam, place, coal.DistanceRequest(), coal.DistanceResult()))
 
 
+def self_clearance(
+    pairs: list[tuple[Shape, Shape]], placements: Placements, samples: np.ndarray
+) -> tuple[float, str, str, int]:
+    """Smallest signed distance [m] between pairs of the robot's own shapes, their links, and the sample at which.
+
+    Broad phase by bounding spheres, then coal.
+    """
+    best = (np.inf, "", "", 0)
+    for first, second in pairs:
+        centres, radii = zip(*(_sphere(shape, placements, samples) for shape in (first, second)), strict=True)
+        bounds = np.linalg.norm(centres[0] - centres[1], axis=1) - sum(radii)
+        for k in np.argsort(bounds):
+            if bounds[k] > best[0]:
+                break
+            distance = distance_between(first, second, placements, int(samples[k]))
+            best = min(best, (distance, first.link, second.link, int(samples[k])))
+    return best
+
+
+def _sphere(shape: Shape, placements: Placements, samples: np.ndarray) -> tuple[np.ndarray, float]:
+    """Centres (n, 3) and radius of a sphere around a shape."""
+    middle = shape.vertices.mean(axis=0)
+    radius = float(np.linalg.norm(shape.vertices - middle, axis=1).max())
+    rotations, positions = placements.rotations[samples, shape.joint], placements.positions[samples, shape.joint]
+    return rotations @ middle + positions, radius
+
+
 def distance_between(first: Shape, second: Shape, placements: Placements, sample: int) -> float:
     """Signed distance [m] between two shapes of the robot at one sample, by coal."""
     places = [

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 import types
 from dataclasses import dataclass, fields
+from itertools import pairwise
 from typing import Any, TypeVar, get_args, get_origin, get_type_hints
 
 from stepover.errors import InvalidInput
@@ -145,6 +146,8 @@ class Adaptor:
     raise_max: float
     raise_peak: float
     push_max: float
+    push_step: float
+    push_total: float
     push_rounds: int
     push_width: float
     push_taper: float
@@ -178,6 +181,7 @@ class Verdict:
 
     knee_margin_deg: float
     zmp_margin: float
+    self_look_every: int
     slowings: int
 
 
@@ -210,13 +214,32 @@ ZERO = {
     "spare",
     "waist_yaw_deg",
 }
+RISING = (
+    ("sample_time", "double_support", "single_support"),
+    ("sample_time", "double_support_over", "single_support_over"),
+    ("step_length_min", "step_length_max"),
+    ("step_length_step", "step_length_max"),
+    ("rest", "leg1_rise", "leg1_top", "leg1_descent"),
+    ("rest", "leg2_rise", "leg2_descent"),
+    ("leg2_pitch_start", "leg2_pitch_full", "leg2_descent"),
+    ("arms_start", "arms_back"),
+    ("zmp_heel_until", "zmp_ahead_at"),
+)
+"""Keys of one table whose values must rise from each to the next."""
+SHARES = {
+    "rest", "leg1_descent", "leg2_descent", "arms_back", "arms_forth", "shift_peak", "raise_peak", "zmp_toe_at",
+    "zmp_ahead_at", "loaded_share",
+}  # fmt: skip
+"""Keys whose values are shares that must be less than 1."""
+RANGES = {"contact_x", "contact_y"}
+"""Keys whose values are a lower and an upper end."""
 
 
 def read_section(kind: type[Section], table: dict[str, Any], where: str) -> Section:
     """Turn one table of robot.toml into its dataclass.
 
     Raises:
-        InvalidInput: a missing or unknown key, a value of the wrong type, not finite or of the wrong sign.
+        InvalidInput: a missing or unknown key, a value of the wrong type or sign, not finite, or out of order.
     """
     if not isinstance(table, dict):
         raise InvalidInput(f"{where} must be a table")
@@ -228,7 +251,23 @@ def read_section(kind: type[Section], table: dict[str, Any], where: str) -> Sect
     for key in table:
         if key not in names:
             raise InvalidInput(f"{where} has an unknown key {key!r}; known are {', '.join(names)}")
-    return kind(**{key: _value(hints[key], table[key], f"{where}.{key}", key) for key in names})
+    values = {key: _value(hints[key], table[key], f"{where}.{key}", key) for key in names}
+    _check_order(values, where)
+    return kind(**values)
+
+
+def _check_order(values: dict[str, Any], where: str) -> None:
+    """Refuse values of a table that contradict each other."""
+    for keys in RISING:
+        for low, high in pairwise(key for key in keys if key in values):
+            less, more = values[low], values[high]
+            if less >= more:
+                raise InvalidInput(f"{where}.{low} = {less!r} must be less than {where}.{high} = {more!r}")
+    for key in values:
+        if key in SHARES and values[key] >= 1.0:
+            raise InvalidInput(f"{where}.{key} = {values[key]!r} must be less than 1")
+        if key in RANGES and values[key][0] >= values[key][1]:
+            raise InvalidInput(f"{where}.{key} = {list(values[key])!r} must be a lower and a higher value")
 
 
 def _value(hint: Any, raw: Any, where: str, key: str) -> Any:

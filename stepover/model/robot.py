@@ -43,8 +43,8 @@ class Robot:
         folder: where robot.toml lies; the URDF is relative to it.
         urdf: file name of the URDF.
         root: name of the root link, the waist.
-        legs, foot, outline, posture, upper_body, walk, feasibility, stepping_over, preview, adaptor, beyond_paper, verdict, simulation: the
-            tables of robot.toml, each a dataclass of stepover.model.parameters.
+        legs, foot, outline, posture, upper_body, walk, feasibility, stepping_over, preview, adaptor, beyond_paper,
+            verdict, simulation: the tables of robot.toml, each a dataclass of stepover.model.parameters.
     """
 
     name: str
@@ -79,7 +79,14 @@ class Robot:
             for joint in joints:
                 if joint not in self.body.joint_names:
                     raise InvalidInput(f"{where}: the URDF has no joint {joint!r}")
-        _ = self.leg(1), self.leg(-1)
+        for name, side in SIDES.items():
+            if side * self.body.origin(self.leg(side).joints[0])[1][1] < 0.0:
+                raise InvalidInput(f"legs.{name}: {self.leg(side).joints[0]!r} is not on the {name} side of the root")
+        for knee in self.legs.knee:
+            if knee not in (*self.legs.left, *self.legs.right):
+                raise InvalidInput(f"legs.knee: {knee!r} is in neither leg")
+        if self.feasibility.waist_height_min >= self.posture.waist_height:
+            raise InvalidInput("feasibility.waist_height_min must be less than posture.waist_height")
 
     @cached_property
     def body(self) -> Body:
@@ -90,6 +97,20 @@ class Robot:
     def shapes(self) -> list[Shape]:
         """Convex collision shapes of all links."""
         return shapes_of(self.body)
+
+    @cached_property
+    def own_pairs(self) -> list[tuple[Shape, Shape]]:
+        """Shapes that may not meet: of the two legs, and of the arms with trunk and legs.
+
+        An arm is what moves with a shoulder of upper_body; its first link with a shape, the shoulder, sits on the
+        trunk and is left out.
+        """
+        indices = [{self.body.index(joint) for joint in leg} for leg in (self.legs.left, self.legs.right)]
+        left, right = ([shape for shape in self.shapes if shape.joint in leg] for leg in indices)
+        arms = [shape for shape in self.shapes if shape.joint in self.body.beyond(self.upper_body.shoulders, 2)]
+        apart = set().union(*indices) | self.body.beyond(self.upper_body.shoulders, 0)
+        trunk = [shape for shape in self.shapes if shape.joint not in apart]
+        return [(a, b) for a in left for b in right] + [(a, b) for a in arms for b in (*trunk, *left, *right)]
 
     @cached_property
     def _leg(self) -> dict[int, Leg]:

@@ -55,7 +55,7 @@ class Adaptation:
         return _is_clear(robot, obstacle, sequence, waist, self.feet)
 
     def explain(self, robot: Robot, obstacle: Obstacle, sequence: StepSequence, waist: np.ndarray) -> str:
-        """What remains where the adaptation is not clear: the link, the depth and when, for a waist (N, 7) not raised."""
+        """What remains where it is not clear: the link, the depth and when, for a waist (N, 7) not yet raised."""
         step = sequence.step(LEG_2)
         swing = slice(step.lift_off, step.touch_down + 1)
         lifted = raise_waist(robot, sequence, waist, self.raised)[swing]
@@ -111,11 +111,11 @@ def adapt_feet(
 
 
 def shift_back(robot: Robot, feet: FeetTrajectories, step: Step, distance: float) -> FeetTrajectories:
-    """Method (1): the swing foot's horizontal trajectory moved back, most at robot.adaptor.shift_peak of the swing."""
+    """Method (1): the swing foot's horizontal trajectory moved back, by distance [m] where it is most."""
     share = np.linspace(0.0, 1.0, step.touch_down - step.lift_off + 1)
     peak, rest = robot.adaptor.shift_peak, 1.0 - robot.stepping_over.rest
-    bump = clamped_spline([(0.0, 0.0), (peak, distance), (rest, 0.0)], share)
-    return _displaced(feet, step, np.outer(-bump, [1.0, 0.0, 0.0]))
+    bump = clamped_spline([(0.0, 0.0), (peak, 1.0), (rest, 0.0)], share)
+    return _displaced(feet, step, np.outer(-distance * bump / bump.max(), [1.0, 0.0, 0.0]))
 
 
 def raise_waist(robot: Robot, sequence: StepSequence, waist: np.ndarray, height: float) -> np.ndarray:
@@ -127,7 +127,8 @@ def waist_bump(robot: Robot, sequence: StepSequence, height: float) -> np.ndarra
     """Extra waist height (N,) [m] of method (2): smooth, zero outside of phase 3."""
     step = sequence.step(LEG_2)
     share = (np.arange(len(sequence.time)) - step.lift_off) / (step.touch_down - step.lift_off)
-    return clamped_spline([(0.0, 0.0), (robot.adaptor.raise_peak, height), (1.0, 0.0)], share)
+    bump = clamped_spline([(0.0, 0.0), (robot.adaptor.raise_peak, 1.0), (1.0, 0.0)], share)
+    return height * np.where((share > 0.0) & (share < 1.0), bump / bump.max(), 0.0)
 
 
 def push_ankle(
@@ -144,6 +145,7 @@ def push_ankle(
     window = np.minimum(1.0, np.minimum(share, 1.0 - share) / adaptor.push_taper)
     window = window**2 * (3.0 - 2.0 * window)
     width = adaptor.push_width * len(share)
+    start = feet
     for _ in range(adaptor.push_rounds):
         rectangle = obstacle.profile(sequence.front_face, margins=True)
         push = ankle_displacements(robot, step.side, waist[swing], feet.foot(step.side)[swing], rectangle, adaptor)
@@ -151,7 +153,10 @@ def push_ankle(
             break
         ahead, back = (maximum_filter1d(np.maximum(way, 0.0), int(width) | 1, axis=0) for way in (push, -push))
         spread = gaussian_filter1d(ahead - back, width / 3.0, axis=0)
-        feet = _displaced(feet, step, spread * window[:, None])
+        further = _displaced(feet, step, spread * window[:, None])
+        if np.abs(further.foot(step.side)[:, :3] - start.foot(step.side)[:, :3]).max() > adaptor.push_total:
+            break
+        feet = further
     return feet
 
 

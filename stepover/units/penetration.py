@@ -27,7 +27,7 @@ def ankle_displacements(
         waist: (N, 7) poses.
         sole: (N, 7) poses.
         rectangle: x_min, x_max, z_min, z_max (4,) [m] that must stay free.
-        adaptor: how much further than the boundary to go, and the damping.
+        adaptor: how much further than the boundary to go, the largest dS of one round, and the damping.
     """
     leg = robot.leg(side)
     angles, _ = leg.attempt(waist, sole)
@@ -38,6 +38,7 @@ def ankle_displacements(
     depth, point, order = np.zeros(len(waist)), np.zeros((len(waist), 3)), np.zeros(len(waist), dtype=int)
     for shape in (shape for shape in robot.shapes if shape.joint in joints):
         dx, where = horizontal_depth(profile(shape, placements), rectangle, adaptor.spare)
+        dx = np.clip(dx, -adaptor.push_step, adaptor.push_step)  # dS is small, or the Jacobians say nothing
         deeper = np.abs(dx) > np.abs(depth)
         centre = _world_y(shape, placements.rotations, placements.positions)
         point[deeper] = np.column_stack([where[:, 0], centre, where[:, 1]])[deeper]

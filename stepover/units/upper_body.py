@@ -18,11 +18,9 @@ from functools import lru_cache
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
-from stepover.model.obstacle import Obstacle
 from stepover.model.robot import Robot
 from stepover.units.com_waist import ComWaist
 from stepover.units.feet_trajectories import FeetTrajectories
-from stepover.units.leg_check import check_legs
 from stepover.units.preview_control import kajita_gains, track
 from stepover.units.step_sequence import LEG_1, LEG_2, StepSequence
 
@@ -36,8 +34,8 @@ class UpperBody:
         waist_shift: (N, 2) what the filter will answer to the arms [m].
         zmp_change: (N, 2) what the arms do to the multi-body ZMP, -p_ref2 [m].
         arm_swing: how far the arms go back [rad], 0 if UBMG idles.
-        knee_before, knee_after: smallest spare angle of the lead leg in phase 1 without and with the arms [rad],
-            counted from the margin that is asked for; -inf where a sole is out of reach.
+        knee_before, knee_after: smallest spare angle of the lead knee in phase 1 without and with the arms [rad],
+            counted from the margin that is asked for; -inf where the sole is out of reach.
     """
 
     q: np.ndarray
@@ -48,21 +46,18 @@ class UpperBody:
     knee_after: float
 
 
-def upper_body(
-    robot: Robot, obstacle: Obstacle, sequence: StepSequence, feet: FeetTrajectories, first: ComWaist, arms: str
-) -> UpperBody:
+def upper_body(robot: Robot, sequence: StepSequence, feet: FeetTrajectories, first: ComWaist, arms: str) -> UpperBody:
     """Upper body trajectories: step 5 of Algorithm 1.
 
     Args:
         robot: the robot.
-        obstacle: the obstacle.
         sequence: the steps.
         feet: trajectories of the feet.
         first: CoM and waist of CWTG1.
         arms: "auto" swings them back as far as the lead knee needs, "on" as far as robot.toml allows, "off" not.
     """
     none = np.zeros_like(sequence.zmp)
-    before = _knee_spare(robot, obstacle, sequence, feet, first.waist)
+    before = _knee_spare(robot, sequence, feet, first.waist)
     still = with_arms(robot, sequence, first.yaw, 0.0)
     if arms == "off" or (arms == "auto" and before >= 0.0):
         return UpperBody(still, none, none, 0.0, before, before)
@@ -70,7 +65,7 @@ def upper_body(
     change, answer = arm_response(robot, _swing_times(robot, sequence), len(sequence.time))
     count = robot.upper_body.arm_swing_sizes
     for share in np.arange(1, count + 1) / count if arms == "auto" else [1.0]:  # nearly linear in the angle
-        after = _knee_spare(robot, obstacle, sequence, feet, moved(first.waist, share * answer))
+        after = _knee_spare(robot, sequence, feet, moved(first.waist, share * answer))
         if after >= 0.0:
             break
     q = with_arms(robot, sequence, first.yaw, share * largest)
@@ -129,13 +124,11 @@ def _profile(times: tuple[float, ...], at: np.ndarray) -> np.ndarray:
     return np.asarray(CubicHermiteSpline(times, [0.0, 1.0, 1.0, 0.0], np.zeros(4))(np.clip(at, times[0], times[-1])))
 
 
-def _knee_spare(
-    robot: Robot, obstacle: Obstacle, sequence: StepSequence, feet: FeetTrajectories, waist: np.ndarray
-) -> float:
-    """Smallest spare angle [rad] of the lead leg's joints in phase 1; -inf where a sole is out of reach."""
+def _knee_spare(robot: Robot, sequence: StepSequence, feet: FeetTrajectories, waist: np.ndarray) -> float:
+    """Smallest spare angle [rad] of the lead knee in phase 1 to its margin; -inf where the sole is out of reach."""
     step = sequence.step(LEG_1)
-    over = slice(step.lift_off, step.touch_down)
+    over, leg = slice(step.lift_off, step.touch_down), robot.leg(step.side)
+    angles, excess = leg.attempt(waist[over], feet.foot(step.side)[over])
+    knee = next(k for k, joint in enumerate(leg.joints) if joint in robot.legs.knee)
     margin = np.radians(robot.verdict.knee_margin_deg + robot.upper_body.knee_spare_deg)
-    nothing = obstacle.profile(1e3, margins=False)
-    check = check_legs(robot, waist[over], feet.left[over], feet.right[over], nothing, margin)
-    return float(np.where(check.reach > 0.0, -np.inf, check.limit).min())
+    return float(np.where(excess > 0.0, -np.inf, np.abs(angles[:, knee]) - margin).min())

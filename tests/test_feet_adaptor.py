@@ -1,0 +1,161 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from stepover.errors import Infeasible
+from stepover.model.obstacle import Obstacle
+from stepover.planner import Effort, algorithm_1, plan_in_detail
+from stepover.units.beyond_paper import extra_shape, extra_zmp
+from stepover.units.com_waist import com_and_waist
+from stepover.units.feasibility import key_configurations
+from stepover.units.feet_adaptor import adapt_feet, push_ankle, raise_waist, shift_back, waist_bump
+from stepover.units.feet_trajectories import feet_trajectories
+from stepover.units.leg_check import check_legs
+from stepover.units.step_sequence import LEG_2, step_sequence
+from stepover.verdict import measure
+
+
+@pytest.fixture(scope="module")
+def high(robot):
+    """25 cm before FTA, with the ZMP inside the soles: obstacle, sequence, waist, feet."""
+    obstacle = Obstacle(0.25, 0.05)
+    key = next(key for key in key_configurations(robot, obstacle) if key.x_ads > 0.505 and key.z_hds < 0.64)
+    sequence = extra_zmp(robot, step_sequence(robot, obstacle, key, robot.rest_zmp()), 2)
+    feet = feet_trajectories(robot, obstacle, sequence, extra_shape(robot, 2))
+    return obstacle, sequence, com_and_waist(robot, sequence, key).waist, feet
+
+
+def depth(robot, obstacle, sequence, waist, feet):
+    """Smallest separation of the legs in phase 3 [m]."""
+    step = sequence.step(LEG_2)
+    swing = slice(step.lift_off, step.touch_down + 1)
+    rectangle = obstacle.profile(sequence.front_face, margins=True)
+    return check_legs(robot, waist[swing], feet.left[swing], feet.right[swing], rectangle, 0.0).separation.min()
+
+
+def test_nothing_to_do_at_15_cm(planned):
+    assert not planned.adaptation.acted
+    assert planned.adaptation.clear
+    assert np.isnan(planned.adaptation.start)
+    np.testing.assert_array_equal(planned.motion.left_foot, planned.feet.left)
+
+
+def test_method_1_moves_the_swing_foot_back_and_nothing_else(robot, high):
+    _, sequence, _, feet = high
+    step = sequence.step(LEG_2)
+    moved = shift_back(robot, feet, step, 0.1)
+    change = moved.left - feet.left
+    np.testing.assert_array_equal(moved.right, feet.right)
+    assert change[:, 0].min() == pytest.approx(-0.1, abs=1e-3)
+    assert change[:, 0].max() <= 1e-12
+    assert not change[:, 1:].any()
+    np.testing.assert_allclose(change[: step.lift_off + 1], 0.0, atol=1e-12)
+    np.testing.assert_allclose(change[step.touch_down :], 0.0, atol=1e-12)
+    speed = np.diff(change[:, 0]) / robot.walk.sample_time
+    assert abs(speed[step.lift_off]) < 0.05, "no jump of speed at lift-off"
+    assert abs(speed[step.touch_down - 1]) < 0.05, "nor at landing"
+
+
+def test_method_1_frees_the_shank(robot, high):
+    obstacle, sequence, waist, feet = high
+    before = depth(robot, obstacle, sequence, waist, feet)
+    after = depth(robot, obstacle, sequence, waist, shift_back(robot, feet, sequence.step(LEG_2), 0.2))
+    assert before < -0.02
+    assert after > before + 0.01
+
+
+def test_method_2_raises_the_waist_in_phase_3_only(robot, high):
+    obstacle, sequence, waist, feet = high
+    step = sequence.step(LEG_2)
+    bump = waist_bump(robot, sequence, 0.04)
+    assert bump.max() == pytest.approx(0.04, abs=1e-4)
+    assert not bump[: step.lift_off + 1].any()
+    assert np.abs(bump[step.touch_down :]).max() < 1e-12
+    raised = raise_waist(robot, sequence, waist, 0.04)
+    np.testing.assert_array_equal(raised[:, [0, 1, 3, 4, 5, 6]], waist[:, [0, 1, 3, 4, 5, 6]])
+    assert depth(robot, obstacle, sequence, raised, feet) > depth(robot, obstacle, sequence, waist, feet)
+
+
+def test_method_3_is_what_frees_23_by_5_cm(robot):
+    obstacle = Obstacle(0.23, 0.05)
+    with_it = plan_in_detail(robot, obstacle, look_for_nearest=False)
+    assert 0.0 < with_it.adaptation.pushed <= robot.adaptor.push_total
+    with pytest.raises(Infeasible, match="FTA finds no way"):
+        algorithm_1(robot, obstacle, with_it.key, replace(with_it.effort, methods=(1, 2)))
+
+
+def test_method_3_pushes_smoothly_and_leaves_lift_off_and_landing(robot, high):
+    obstacle, sequence, waist, feet = high
+    step = sequence.step(LEG_2)
+    raised = raise_waist(robot, sequence, waist, 0.04)
+    start = shift_back(robot, feet, step, 0.25)
+    before = depth(robot, obstacle, sequence, raised, start)
+    pushed = push_ankle(robot, obstacle, sequence, raised, start)
+    assert before < -0.005
+    assert depth(robot, obstacle, sequence, raised, pushed) > before + 0.003
+    change = (pushed.left - start.left)[:, :3]
+    assert not change[: step.lift_off + 1].any()
+    assert not change[step.touch_down :].any()
+    acceleration = np.diff(change, 2, axis=0) / robot.walk.sample_time**2
+    assert np.abs(acceleration).max() < 12.0, "of the order of the swing's own accelerations"
+    np.testing.assert_array_equal(pushed.right, feet.right)
+
+
+def test_all_three_end_clear(robot, high):
+    obstacle, sequence, waist, feet = high
+    result = adapt_feet(robot, obstacle, sequence, waist, feet)
+    assert result.clear
+    assert result.acted
+    assert sequence.time[sequence.step(LEG_2).lift_off] <= result.start < result.end
+    lifted = raise_waist(robot, sequence, waist, result.raised)
+    assert depth(robot, obstacle, sequence, lifted, result.feet) >= 0.0
+    np.testing.assert_allclose(lifted[:, 2] - waist[:, 2], result.waist_raise, atol=1e-12)
+
+
+def test_without_any_method_it_says_what_remains(robot, high):
+    obstacle, sequence, waist, feet = high
+    result = adapt_feet(robot, obstacle, sequence, waist, feet, methods=())
+    assert not result.clear
+    assert not result.acted
+    assert "LLEG_LINK3" in result.explain(robot, obstacle, sequence, waist)
+    assert "mm inside" in result.explain(robot, obstacle, sequence, waist)
+
+
+def test_at_25_cm_nothing_goes_without_the_two_units(robot):
+    obstacle = Obstacle(0.25, 0.05)
+    first = key_configurations(robot, obstacle)[0]
+    with pytest.raises(Infeasible, match="RLEG_JOINT3 over-stretches"):
+        algorithm_1(robot, obstacle, first, Effort("off", methods=()))
+
+
+@pytest.fixture(scope="module")
+def crossing(robot):
+    """The 25 cm plan."""
+    return plan_in_detail(robot, Obstacle(0.25, 0.05), look_for_nearest=False)
+
+
+def test_25_cm_keeps_every_limit(robot, crossing):
+    found = measure(robot, crossing.motion)
+    assert found.clearance_min >= 0.03
+    assert found.joint_margin_min >= 0.0
+    assert found.zmp_margin_min >= 0.015
+    assert max(found.zmp_rms) <= 0.004
+    knees = [robot.body.column(knee) for knee in robot.legs.knee]
+    assert crossing.motion.q[:, knees].min() >= np.radians(5.0) - 1e-9
+
+
+def test_at_25_cm_both_units_act_on_leg_2(crossing):
+    record = crossing.adaptations
+    assert record["ubmg"]["acted"]
+    assert record["fta"]["acted"]
+    assert record["fta"]["leg"] == "leg 2"
+    phase = crossing.motion.time[crossing.motion.samples(3)]
+    assert phase[0] - 0.01 <= record["fta"]["start"] < record["fta"]["end"] <= phase[-1] + 0.01
+    np.testing.assert_array_equal(crossing.motion.right_foot, crossing.feet.right)
+
+
+def test_25_cm_takes_more_than_the_paper_says(robot):
+    with pytest.raises(Infeasible):
+        plan_in_detail(robot, Obstacle(0.25, 0.05), extras=False, look_for_nearest=False)
+    assert plan_in_detail(robot, Obstacle(0.2, 0.05), extras=False).effort.level == 0
