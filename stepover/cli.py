@@ -10,6 +10,7 @@ import contextlib
 import math
 import os
 import sys
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,8 +20,7 @@ from stepover import __version__
 from stepover.errors import Infeasible, InvalidInput, StepOverError
 
 if TYPE_CHECKING:
-    from stepover.motion import Motion
-    from stepover.simulation.run import Run
+    from stepover.simulation.measurements import Run
 
 DONE, BAD_INPUT, INFEASIBLE, NOT_CROSSED, INTERRUPTED = 0, 2, 3, 4, 130
 
@@ -69,6 +69,13 @@ def _new_file(context: click.Context, parameter: click.Parameter, value: str | N
     if not os.access(path.parent, os.W_OK):
         raise InvalidInput(f"{option} {path}: the folder {path.parent} cannot be written to")
     return path
+
+
+def _new_film(context: click.Context, parameter: click.Parameter, value: str | None) -> Path | None:
+    """As _new_file, for an mp4."""
+    if value is not None and Path(value).suffix != ".mp4":
+        raise InvalidInput(f"--{parameter.name} {value}: a film's name must end in .mp4")
+    return _new_file(context, parameter, value)
 
 
 def _pairs(context: click.Context, parameter: click.Parameter, values: tuple[str, ...]) -> dict[str, str]:
@@ -157,7 +164,7 @@ def plan(
 )  # fmt: skip
 @click.option("--stabilizer/--no-stabilizer", default=False, show_default=True, help="Feedback on the measured ZMP.")
 @click.option("--perturb", multiple=True, metavar="NAME=VALUE", callback=_pairs, help="A disturbance; may be repeated.")
-@click.option("--video", metavar="FILE", callback=_new_file, help="Film it from the side (mp4).")
+@click.option("--video", metavar="FILE", callback=_new_film, help="Film it from the side (mp4).")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object (SI units) instead of the summary.")
 def simulate(
     motion: str,
@@ -185,13 +192,28 @@ def simulate(
     if video is not None:
         from stepover.simulation.video import record
 
-        record(run, video)
-    result = run.to_json()
-    click.echo(summary.as_line(result) if as_json else summary.run_summary(result, run.crossed))
+        with _progress("filming") as progress:
+            record(run, video, progress=progress)
+    click.echo(summary.as_line(run.to_json()) if as_json else summary.run_summary(run))
     if video is not None and not as_json:
         click.echo(f"\nfilmed in {video}")
     if not run.crossed:
-        _complain(f"{summary.failure(result)}; {_plot_failure(planned, run, video or Path(motion))}", NOT_CROSSED)
+        _complain(f"{run.explanation}; {_plot_failure(run, video or Path(motion))}", NOT_CROSSED)
+
+
+@contextlib.contextmanager
+def _progress(what: str) -> Iterator[Callable[[float], None]]:
+    """A progress bar on stderr, where that is a terminal, to be called with the share done."""
+    from tqdm import tqdm
+
+    form = "{desc}: {percentage:3.0f}%|{bar}| {elapsed}<{remaining}"
+    with tqdm(total=1.0, desc=what, disable=None, leave=False, bar_format=form) as bar:
+
+        def show(share: float) -> None:
+            bar.n = share
+            bar.refresh()
+
+        yield show
 
 
 def _number(name: str, text: str) -> float:
@@ -202,8 +224,9 @@ def _number(name: str, text: str) -> float:
     raise InvalidInput(f"{name} = {text!r} must be a finite number")
 
 
-def _plot_failure(motion: Motion, run: Run, beside: Path) -> str:
+def _plot_failure(run: Run, beside: Path) -> str:
     """Plot the second before the failure beside a file, or in build/; say where."""
+    from stepover.model.robot import load_robot
     from stepover.report import figures
 
     folder = beside.parent
@@ -211,7 +234,7 @@ def _plot_failure(motion: Motion, run: Run, beside: Path) -> str:
         folder = Path("build")
         folder.mkdir(exist_ok=True)
     path = folder / f"{beside.stem}_failure.png"
-    figures.save(figures.failure(motion, run), path)
+    figures.save(figures.failure(load_robot(run.motion.robot), run), path)
     return f"the second before it is drawn in {path}"
 
 

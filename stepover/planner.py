@@ -13,6 +13,7 @@ from stepover.errors import Infeasible, InvalidInput
 from stepover.model.obstacle import Obstacle
 from stepover.model.robot import Robot
 from stepover.motion import FORMAT, Motion, obstacle_row
+from stepover.nearest import nearest_crossable
 from stepover.units.beyond_paper import extra_shape, extra_zmp
 from stepover.units.com_waist import ComWaist, com_and_waist
 from stepover.units.dynamic_filter import filtered_waist
@@ -147,7 +148,9 @@ def plan_in_detail(
             found = _slowed(robot, obstacle, found, _efforts(robot, arms, extras))
     except Infeasible as error:
         if error.nearest is None and look_for_nearest:
-            error.nearest = nearest_crossable(robot, obstacle, arms=arms, speed_limits=speed_limits, extras=extras)
+            error.nearest = nearest_crossable(
+                obstacle, lambda other: _crossable(robot, other, arms, speed_limits, extras)
+            )
         raise
     total = time.perf_counter() - start
     times = {"feasibility": feasibility_time, "trajectories": total - feasibility_time, "total": total}
@@ -219,14 +222,19 @@ def _efforts(robot: Robot, arms: str, extras: bool) -> list[Effort]:
     return [*first, Effort(arms), *(Effort(arms, level=level) for level in levels)]
 
 
-def _first(robot: Robot, obstacle: Obstacle, keys: list[KeyConfiguration], efforts: list[Effort]) -> Plan:
+def _first(
+    robot: Robot, obstacle: Obstacle, keys: list[KeyConfiguration], efforts: list[Effort], every: int = 1
+) -> Plan:
     """The plan for the first effort and key configuration that work; the very first error where none does."""
     first_error: Infeasible | None = None
-    search = robot.feasibility
+    search, nearest = robot.feasibility, keys[0]
     for effort in efforts:
         for key in keys:
-            ahead = (key.x_ads - keys[0].x_ads) / search.step_length_more_step
-            if key.x_ads - keys[0].x_ads > search.step_length_more + 1e-9 or abs(ahead - round(ahead)) > 1e-6:
+            longer = (key.x_ads - nearest.x_ads) / (every * search.step_length_more_step)
+            lower = (nearest.z_hds - key.z_hds) / (every * search.waist_height_step)
+            if key.x_ads - nearest.x_ads > search.step_length_more + 1e-9:
+                break
+            if abs(longer - round(longer)) > 1e-6 or abs(lower - round(lower)) > 1e-6:
                 continue
             try:
                 return algorithm_1(robot, obstacle, key, effort)
@@ -235,6 +243,18 @@ def _first(robot: Robot, obstacle: Obstacle, keys: list[KeyConfiguration], effor
                 if error.nearest is not None:
                     raise
     raise first_error or InvalidInput("there is nothing to try")
+
+
+def _crossable(robot: Robot, obstacle: Obstacle, arms: str, speed_limits: str, extras: bool) -> bool:
+    """Whether the obstacle can be planned; looks at every second key configuration and not at every effort."""
+    try:
+        efforts = _efforts(robot, arms, extras)
+        found = _first(robot, obstacle, key_configurations(robot, obstacle), [efforts[0], *efforts[2:]], every=2)
+        if speed_limits == "respect":
+            _slowed(robot, obstacle, found, efforts)
+    except Infeasible:
+        return False
+    return True
 
 
 def _slowed(robot: Robot, obstacle: Obstacle, found: Plan, efforts: list[Effort]) -> Plan:
@@ -254,51 +274,6 @@ def _slowed(robot: Robot, obstacle: Obstacle, found: Plan, efforts: list[Effort]
     if ratio > 1.0:
         raise Infeasible(f"{joint} moves at {ratio:.2f} of its speed limit at t = {when:.3f} s")
     return found
-
-
-def nearest_crossable(robot: Robot, obstacle: Obstacle, **options: object) -> Obstacle | None:
-    """Obstacle nearest to the given one, in height and width, that can be planned; None if none is found.
-
-    Looks straight down in height, straight down in width, and on the way to a small obstacle, by bisection to
-    1 mm; what it returns was really planned.
-    """
-    small = np.array([0.02, 0.02])
-    here = np.array([obstacle.height, obstacle.width])
-    best: Obstacle | None = None
-    gap = np.inf
-    for goal in ([small[0], here[1]], [here[0], small[1]], small):
-        way = np.minimum(goal, here) - here
-        found = _farthest(robot, obstacle, here, way, options)
-        if found is not None:
-            distance = float(np.hypot(found.height - here[0], found.width - here[1]))
-            if distance < gap:
-                best, gap = found, distance
-    return best
-
-
-def _farthest(
-    robot: Robot, obstacle: Obstacle, here: np.ndarray, way: np.ndarray, options: dict[str, object]
-) -> Obstacle | None:
-    """First obstacle on a way down in height and width that can be planned, by bisection to 1 mm."""
-
-    def at(share: float) -> Obstacle:
-        height, width = np.floor((here + share * way) * 1e3 + 1e-6) / 1e3
-        return dataclasses.replace(obstacle, height=float(height), width=float(width))
-
-    def works(share: float) -> bool:
-        try:
-            plan_in_detail(robot, at(share), look_for_nearest=False, **options)  # type: ignore[arg-type]
-        except Infeasible:
-            return False
-        return True
-
-    low, high = 0.0, 1.0
-    if not np.any(way) or not works(high):
-        return None
-    while (high - low) * np.abs(way).max() > 1e-3:
-        middle = (low + high) / 2.0
-        low, high = (low, middle) if works(middle) else (middle, high)
-    return at(high)
 
 
 def _footsteps(sequence: StepSequence) -> np.ndarray:

@@ -100,11 +100,11 @@ def run_notebook(notebook: Path, executed: Path, output: Path, values: dict[str,
     import papermill
 
     executed.parent.mkdir(parents=True, exist_ok=True)
-    own = values | ({OUTPUT: str(output)} if OUTPUT in _defaults(notebook) else {})
+    own = values | ({OUTPUT: str(output)} if OUTPUT in parameters_of(notebook) else {})
     try:
         papermill.execute_notebook(
             notebook, executed, own, kernel_name="python3", cwd=notebook.parent,
-            progress_bar={"desc": notebook.stem, "unit": "cell"}, extra_arguments=["--log-level=ERROR"],
+            progress_bar={"desc": notebook.stem, "unit": "cell"}, extra_arguments=["--log-level=CRITICAL"],
         )  # fmt: skip
     except papermill.PapermillExecutionError as error:
         cell, line = _where(notebook, error.source)
@@ -114,6 +114,17 @@ def run_notebook(notebook: Path, executed: Path, output: Path, values: dict[str,
         ) from error
     except (RuntimeError, KeyError) as error:  # nbclient's dead kernel, jupyter_client's missing one
         raise NotebookFailed(f"notebook {notebook.stem}: {type(error).__name__}: {error}") from error
+
+
+def parameters_of(notebook: Path) -> dict[str, Any]:
+    """The parameters of a notebook's tagged cell with their default values."""
+    import papermill
+
+    try:
+        found = papermill.inspect_notebook(str(notebook))
+    except Exception as error:  # nbformat's many ways to say that this is no notebook
+        raise InvalidInput(f"{notebook} cannot be read as a notebook ({type(error).__name__})") from error
+    return {name: ast.literal_eval(parameter["default"]) for name, parameter in found.items()}
 
 
 def parameter_value(name: str, text: str, default: Any) -> Any:
@@ -139,7 +150,7 @@ def parameter_value(name: str, text: str, default: Any) -> Any:
 
 def _own_values(notebooks: list[Path], parameters: dict[str, str]) -> dict[Path, dict[str, Any]]:
     """For each notebook the parameters that it knows; refuse those that none of them knows."""
-    known = {notebook: _defaults(notebook) for notebook in notebooks}
+    known = {notebook: parameters_of(notebook) for notebook in notebooks}
     names = sorted({name for defaults in known.values() for name in defaults} - {OUTPUT})
     for name in parameters:
         if name not in names:
@@ -152,17 +163,6 @@ def _own_values(notebooks: list[Path], parameters: dict[str, str]) -> dict[Path,
         }
         for notebook, defaults in known.items()
     }
-
-
-def _defaults(notebook: Path) -> dict[str, Any]:
-    """The parameters of a notebook's tagged cell with their default values."""
-    import papermill
-
-    try:
-        found = papermill.inspect_notebook(str(notebook))
-    except Exception as error:  # nbformat's many ways to say that this is no notebook
-        raise InvalidInput(f"{notebook} cannot be read as a notebook ({type(error).__name__})") from error
-    return {name: ast.literal_eval(parameter["default"]) for name, parameter in found.items()}
 
 
 def _where(notebook: Path, source: str) -> tuple[int, str]:

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from stepover.model.obstacle import Obstacle
     from stepover.model.robot import Robot
     from stepover.planner import Plan
+    from stepover.simulation.measurements import Run
 
 
 def plan_to_json(robot: Robot, obstacle: Obstacle, planned: Plan) -> dict[str, Any]:
@@ -32,7 +33,7 @@ def plan_summary(result: dict[str, Any]) -> str:
     """A plan for people: aligned, in the units that they think in."""
     key, obstacle, times = result["key_configuration"], result["obstacle"], result["planning_time"]
     first, after, error = (_mm(result[name]) for name in ("zmp_rms_first_stage", "zmp_rms", "zmp_error_max"))
-    did = ", ".join(f"{name.replace('_', ' ')}: {value}" for name, value in result["adaptations"].items())
+    did = result["adaptations"]
     rows = [
         ("robot", result["robot"]),
         ("obstacle", f"{obstacle['height']:.3f} m high, {obstacle['width']:.3f} m wide, "
@@ -50,22 +51,25 @@ def plan_summary(result: dict[str, Any]) -> str:
         ("joint speed", f"{result['joint_speed_ratio_max']:.2f} of its limit at most, {result['joint_speed_joint']}"),
         ("CoM, double support", f"{1e3 * result['com_travel_double_support']:.1f} mm ahead over the obstacle"),
         ("CoM, vertical", f"{result['com_acceleration_ratio_max']:.3f} g at most"),
-        ("adaptations", did or "none"),
+        ("arms (UBMG)", _arms(did["ubmg"])),
+        ("feet (FTA)", _feet(did["fta"])),
+        ("dynamic filter", f"{did['filter_passes']} pass{'es' * (did['filter_passes'] != 1)}"),
         ("planned in", f"{times['total']:.2f} s, of which {times['feasibility']:.2f} s in the feasibility unit"),
     ]  # fmt: skip
     return aligned(rows)
 
 
-def run_summary(result: dict[str, Any], crossed: bool) -> str:
-    """A run for people, from what `simulate --json` prints."""
+def run_summary(run: Run) -> str:
+    """A run for people."""
+    result = run.to_json()
     landing = result["landing_force_peak"]
     saturated = ", ".join(f"{joint} {count}" for joint, count in result["torque_saturated_samples"].items() if count)
     rows = [
-        ("outcome", "crossed" if crossed else failure(result)),
+        ("outcome", "crossed" if run.crossed else run.explanation),
         ("set-up", f"{result['actuators']} actuators, {result['sole']} soles, "
                    f"{'with' if result['stabilizer'] else 'no'} stabilizer"),
         ("clearance", f"{_or_dash(result['clearance_min'], '{:.1f} mm at least', 1e3)}, {result['clearance_link']}"),
-        ("obstacle contacts", f"{result['obstacle_contacts']}"),
+        ("obstacle contacts", f"{result['obstacle_contacts']} samples"),
         ("ZMP error, rms", f"{_mm(result['zmp_rms'])} mm in x, y"),
         ("landing force, peak", ", ".join(f"{_or_dash(landing[leg], '{:.0f} N', 1.0)} ({leg} leg)" for leg in landing)),
         ("waist error", _or_dash(result["waist_error_max"], "{:.1f} mm at most", 1e3)),
@@ -79,11 +83,20 @@ def run_summary(result: dict[str, Any], crossed: bool) -> str:
     return aligned(rows)
 
 
-def failure(result: dict[str, Any]) -> str:
-    """Why a run did not cross, in one line."""
-    if result["fell"]:
-        return f"the robot fell at {_or_dash(result['fall_time'], '{:.3f} s', 1.0)}: {result['fall_reason']}"
-    return f"the robot touched the obstacle: {result['fall_reason'] or result['clearance_link']}"
+def _arms(ubmg: dict[str, Any]) -> str:
+    """What the upper body motion generator did."""
+    if not ubmg["acted"]:
+        return "at rest"
+    swing, shift = math.degrees(ubmg["arm_swing"]), 1e3 * ubmg["waist_shift_max"]
+    return f"swing back by {swing:.1f} degrees, which moves the waist by up to {shift:.1f} mm"
+
+
+def _feet(fta: dict[str, Any]) -> str:
+    """What the feet trajectory adaptor did."""
+    if not fta["acted"]:
+        return "as they were"
+    back, up, pushed = (1e3 * fta[name] for name in ("foot_back", "waist_raised", "ankle_pushed"))
+    return f"{fta['leg']}: {back:.1f} mm back, waist {up:.1f} mm up, ankle pushed by {pushed:.1f} mm"
 
 
 def aligned(rows: list[tuple[str, str]]) -> str:

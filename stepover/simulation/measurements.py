@@ -36,7 +36,8 @@ class Series:
         com: (M, 3) centre of mass.
         zmp: (M, 2) measured ZMP: where the floor's forces on the whole robot have no horizontal moment; NaN where
             the floor bears less than the loaded share of the weight.
-        zmp_margin: (M,) distance of it from the edge of the support polygon of the measured feet, negative outside.
+        zmp_margin: (M,) distance of it from the edge of the support polygon of the feet that bear at least the loaded
+            share of the weight, where they are; negative outside. The soles touch with more than the contact patch.
         clearance: (M,) signed distance of the whole robot from the bare obstacle; a lower bound where an edge is
             nearest to an edge.
         waist_error: (M,) distance of the waist from its planned place.
@@ -139,7 +140,6 @@ def measured(
     nearest = clearance(robot.shapes, upright, motion.bare_obstacle)
     torque = np.abs(series.torque[:end]) / robot.body.effort_limits
     saturated = (torque >= 1.0).sum(axis=0)
-    touched = recording.touched if recording.touched and recording.touched[0] < end else None
     return Run(
         fell=fall is not None,
         fall_time=float(series.time[fall[0]]) if fall else None,
@@ -160,9 +160,7 @@ def measured(
         },
         duration=float(series.time[-1] - series.time[0]),
         state_hash=recording.state_hash(),
-        contact_reason=_sentence("hit the obstacle", motion, series, touched[0], _depth(series, *touched))
-        if touched
-        else None,
+        contact_reason=_contact(motion, series, recording, end),
         motion=motion,
         series=series,
         **how,
@@ -172,10 +170,12 @@ def measured(
 def _series(robot: Robot, motion: Motion, recording: Recording, placements: Placements) -> Series:
     """Cut the recording to its length and add what follows from it."""
     m = recording.count
-    total, support = recording.total[:m], motion.support[:m]
+    total, least = recording.total[:m], robot.simulation.loaded_share * robot.body.mass * GRAVITY
+    bearing = recording.feet[:m, :, 2] >= least
+    support = bearing[:, 0].astype(int) - bearing[:, 1].astype(int)
     with np.errstate(divide="ignore", invalid="ignore"):
         zmp = np.column_stack([-total[:, 4], total[:, 3]]) / total[:, 2:3]
-    zmp[total[:, 2] < robot.simulation.loaded_share * robot.body.mass * GRAVITY] = np.nan
+    zmp[total[:, 2] < least] = np.nan
     left, right = (_sole(robot, placements, side) for side in (1, -1))
     distances = [separation(shape, placements, motion.bare_obstacle) for shape in robot.shapes]
     return Series(
@@ -206,21 +206,24 @@ def _landing_force(robot: Robot, motion: Motion, series: Series, kind: int, end:
     return float(wrench[:end][near, 2].max())
 
 
-def _depth(series: Series, sample: int, links: list[str]) -> str:
-    """Which links touch the obstacle and how deep."""
-    return f"{' and '.join(links)}, {1e3 * series.obstacle_depth[sample]:.1f} mm deep"
+def _contact(motion: Motion, series: Series, recording: Recording, end: int) -> str | None:
+    """The first contact with the obstacle as a sentence; None where there is none before the end."""
+    if recording.touched is None or recording.touched[0] >= end:
+        return None
+    sample, links = recording.touched
+    depth = 1e3 * float(np.nanmax(series.obstacle_depth[:end]))
+    cause = f"{' and '.join(links)} touches it, at most {depth:.1f} mm deep"
+    return _sentence("hit the obstacle", motion, series, sample, cause)
 
 
 def _sentence(what: str, motion: Motion, series: Series, sample: int, cause: str) -> str:
     """One sentence: what, when, which link, stance foot and phase, last ZMP margin."""
-    stance = {0: "both feet planned", 1: "the left foot planned", -1: "the right foot planned"}
+    stance = {0: "both feet bear", 1: "the left foot bears", -1: "the right foot bears"}[int(motion.support[sample])]
     margins = series.zmp_margin[: sample + 1]
     margins = margins[np.isfinite(margins)]
-    margin = "ZMP never measured" if len(margins) == 0 else f"last ZMP margin {1e3 * margins[-1]:.0f} mm"
-    return (
-        f"{what} at t = {series.time[sample]:.3f} s: {cause}; {stance[int(motion.support[sample])]} on the floor, "
-        f"{PHASES[int(motion.phase[sample])]}; {margin}"
-    )
+    margin = f"last ZMP margin {1e3 * margins[-1]:.0f} mm" if len(margins) else "ZMP never measured"
+    phase = PHASES[int(motion.phase[sample])]
+    return f"{what} at t = {series.time[sample]:.3f} s: {cause}; by the plan {stance} ({phase}); {margin}"
 
 
 def _rms(error: np.ndarray) -> list[float]:

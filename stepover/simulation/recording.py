@@ -68,7 +68,7 @@ def has_fallen(parameters: Simulation, waist: np.ndarray, planned: np.ndarray, t
     tilt = float(np.degrees(np.arccos(np.clip(up @ planned_up, -1.0, 1.0))))
     drop = float(planned[2] - waist[2])
     if touch.others:
-        return f"{' and '.join(sorted(touch.others))} touches the floor"
+        return f"the floor is touched by {' and '.join(sorted(touch.others))}"
     if tilt > parameters.fall_tilt_deg:
         return f"the waist is tilted by {tilt:.0f} degrees against the plan"
     if drop > parameters.fall_drop:

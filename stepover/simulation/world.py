@@ -1,4 +1,4 @@
-"""The world in PyBullet: floor, obstacle and robot. With video.py the only door to PyBullet.
+"""The world in PyBullet: floor, obstacle and robot. The only door to PyBullet, and video.py's.
 
 PyBullet gives and takes the base pose of a robot at the centre of mass of its root link. Everything that leaves
 this module is in the library's terms: configurations in pinocchio's order, with the pose of the root link itself.
@@ -19,6 +19,7 @@ from stepover.errors import InvalidInput
 from stepover.model.obstacle import LATERAL_HALF_EXTENT
 from stepover.model.pose import Rotation
 from stepover.model.robot import Robot
+from stepover.units.preview_control import GRAVITY
 
 
 @contextmanager
@@ -42,9 +43,6 @@ def silenced() -> Iterator[None]:
 
 with silenced():
     import pybullet
-
-GRAVITY = 9.81
-"""m/s^2, as in the planner."""
 
 
 class Touch(NamedTuple):
@@ -91,8 +89,7 @@ class World:
             self.robot = load_body(robot, self.client)
         self.links, self.joints = names_of(robot, self.robot, self.client)
         self._feet = {self._link_behind(robot, side): row for row, side in enumerate((1, -1))}
-        local = pybullet.getDynamicsInfo(self.robot, -1, self.client)[3:5]
-        self._local = np.array(local[0]), Rotation.from_quat(local[1])
+        self._local = local_of(self.robot, self.client)
         self._settle_physics(robot)
 
     def __enter__(self) -> World:
@@ -138,11 +135,11 @@ class World:
         turn = Rotation.from_quat(quaternion) * self._local[1].inv()
         return np.concatenate([position - turn.apply(self._local[0]), turn.as_quat()])
 
-    def contacts(self) -> list[tuple]:  # type: ignore[type-arg]
+    def contacts(self) -> list[tuple]:
         """Contact points of the last step, as PyBullet gives them: for touch."""
         return list(pybullet.getContactPoints(self.robot, physicsClientId=self.client))
 
-    def touch(self, contacts: list[tuple], steps: int) -> Touch:  # type: ignore[type-arg]
+    def touch(self, contacts: list[tuple], steps: int) -> Touch:
         """What the contacts of some steps come to: mean wrenches over the steps."""
         on_floor = [c for c in contacts if c[2] == self._floor and c[9] > 0.0]
         wrenches = _wrenches(on_floor) / steps
@@ -198,7 +195,7 @@ def load_body(robot: Robot, client: int) -> int:
 
     Self-collision stays off: neighbouring boxes overlap at the joints by design, and the planner keeps the legs apart.
     """
-    flags = pybullet.URDF_USE_INERTIA_FROM_FILE | pybullet.URDF_USE_MATERIAL_COLORS_FROM_MTL
+    flags = pybullet.URDF_USE_INERTIA_FROM_FILE
     path = str(robot.folder / robot.urdf)
     return int(pybullet.loadURDF(path, flags=flags, physicsClientId=client))
 
@@ -211,6 +208,12 @@ def names_of(robot: Robot, body: int, client: int) -> tuple[dict[int, str], list
     return links, [index[name] for name in robot.body.joint_names]
 
 
+def local_of(body: int, client: int) -> tuple[np.ndarray, Rotation]:
+    """Position and rotation of the root link's inertial frame, PyBullet's base, in the root link."""
+    position, quaternion = pybullet.getDynamicsInfo(body, -1, client)[3:5]
+    return np.array(position), Rotation.from_quat(quaternion)
+
+
 def place_body(body: int, client: int, joints: list[int], local: tuple[np.ndarray, Rotation], q: np.ndarray) -> None:
     """Put a body at rest at a configuration (nq,).
 
@@ -218,7 +221,7 @@ def place_body(body: int, client: int, joints: list[int], local: tuple[np.ndarra
         body: its number.
         client: its client.
         joints: as from names_of.
-        local: position and rotation of the root link's inertial frame in the root link.
+        local: as from local_of.
         q: where to.
     """
     turn = Rotation.from_quat(q[3:7])
@@ -230,7 +233,7 @@ def place_body(body: int, client: int, joints: list[int], local: tuple[np.ndarra
     )
 
 
-def _wrenches(contacts: list[tuple]) -> np.ndarray:  # type: ignore[type-arg]
+def _wrenches(contacts: list[tuple]) -> np.ndarray:
     """Forces and moments (C, 6) about the world's origin that contact points give to the robot."""
     if not contacts:
         return np.zeros((0, 6))

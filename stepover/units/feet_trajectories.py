@@ -113,9 +113,9 @@ def _leg_1(
     z = [(0.0, 0.0), (shape.leg1_rise, top), (shape.leg1_top, top + shape.leg1_extra_lift), (shape.leg1_descent, top)]
     z += landing(shape.leg1_descent, top, 1.0, 0.0, shape.landing_points)
     heel_first = np.radians(shape.leg1_pitch_deg)
-    rest = 1.0 - shape.rest
     pitch = clamped_spline([(shape.leg1_rise, 0.0), (shape.leg1_descent, heel_first)], share)
-    pitch += clamped_spline([(rest, 0.0), (1.0, -heel_first)], share)
+    flat = 1.0 - shape.rest / 2.0  # before touch-down, or the heel would go through the floor
+    pitch += clamped_spline([(1.0 - 2.0 * shape.rest, 0.0), (flat, -heel_first)], share)
     return Swing(clamped_spline(x, share), np.full_like(share, step.start[1]), clamped_spline(z, share), pitch)
 
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import textwrap
+from collections.abc import Sequence
+
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from stepover.model.collision import separation
+from stepover.model.collision import exact_distance, separation
 from stepover.model.robot import Robot
 from stepover.motion import Motion
 from stepover.report.figures.style import (
@@ -29,6 +31,8 @@ from stepover.units.preview_control import GRAVITY
 
 BEFORE_FAILURE, AFTER_FAILURE = 1.0, 0.2
 """What a plot of a failure shows [s]."""
+EVERY, SHOWN = 4, 0.3
+"""Samples between the points of the clearance, and the largest clearance that is of interest [m]."""
 
 
 @styled
@@ -40,8 +44,8 @@ def planned_and_simulated(run: Run) -> Figure:
         panel = axes[axis, 0]
         panel.plot(series.time, series.zmp[:, axis], color=SIMULATED, lw=1.0, label="ZMP, simulated")
         panel.plot(motion.time, motion.zmp[:, axis], color=PLANNED, lw=1.0, label="ZMP, planned")
-        panel.plot(motion.time, motion.waist[:, axis], color=REFERENCE, ls="--", lw=1.0, label="waist, planned")
-        panel.plot(series.time, series.q[:, axis], color=WAIST, lw=1.0, label="waist, simulated")
+        panel.plot(series.time, series.q[:, axis], color=WAIST, lw=2.2, label="waist, simulated")
+        panel.plot(motion.time, motion.waist[:, axis], color=REFERENCE, ls="--", lw=0.9, label="waist, planned")
         panel.set_ylabel(f"{name} [m]")
         panel.margins(y=0.12 if axis == 0 else 0.25)
         panel.legend(loc="upper left" if axis == 0 else "upper right", ncols=2)
@@ -63,14 +67,13 @@ def contact_forces(robot: Robot, run: Run) -> Figure:
     figure, axes = panels(2, 4.2, sharex=True, sharey=True)
     weight = robot.body.mass * GRAVITY
     feet = (("left", series.left_wrench, LEFT, 1), ("right", series.right_wrench, RIGHT, -1))
-    for row, (name, wrench, colour, side) in enumerate(feet):
-        axis = axes[row, 0]
+    for axis, (name, wrench, colour, side) in zip(axes[:, 0], feet, strict=True):
         axis.plot(series.time, wrench[:, 2], color=colour, lw=0.9, label=f"{name} foot")
         axis.axhline(weight, color=REFERENCE, ls="--", lw=0.9, label=f"weight, {weight:.0f} N")
         landed = motion.footsteps[motion.footsteps[:, 1] == side, 0]
         axis.plot(landed, np.zeros_like(landed), color=REFERENCE, marker="^", ls="", ms=5, label="planned touch-down")
         axis.set_ylabel("vertical force [N]")
-        axis.margins(y=0.25)
+        axis.set_ylim(-0.08 * weight, 1.3 * max(wrench[:, 2].max() for _, wrench, _, _ in feet))
         axis.legend(loc="upper left", ncols=3)
     time_axis(axes[:, 0], motion)
     return figure
@@ -82,23 +85,26 @@ def clearance(robot: Robot, run: Run) -> Figure:
     motion, series = run.motion, run.series
     figure, axes = panels(1, 2.8)
     axis = axes[0, 0]
-    axis.plot(motion.time, 1e3 * clearance_over_time(robot, motion), color=PLANNED, lw=1.6, label="planned")
-    axis.plot(series.time, 1e3 * series.clearance, color=SIMULATED, lw=0.9, label="simulated")
+    for name, time, q, colour, width in (
+        ("planned", motion.time, motion.q, PLANNED, 2.4),
+        ("simulated", series.time, series.q, SIMULATED, 0.9),
+    ):
+        axis.plot(time[::EVERY], 1e3 * clearance_over_time(robot, motion, q), color=colour, lw=width, label=name)
     margin = 1e3 * min(motion.obstacle[3:5])
     axis.axhline(margin, color=OBSTACLE, ls=":", lw=1.2, label="safety margin")
     axis.axhline(0.0, color=OBSTACLE, lw=1.5, label="obstacle")
     axis.set_ylabel("clearance [mm]")
     time_axis(axes[:, 0], motion)
-    axis.set_ylim(min(-10.0, 1e3 * series.clearance.min() - 10.0), 300.0)
+    axis.set_ylim(min(-10.0, 1e3 * run.clearance_min - 10.0), 1e3 * SHOWN)
     axis.legend(loc="upper right")
     return figure
 
 
 @styled
-def strip(frames: np.ndarray, times: np.ndarray, columns: int = 5) -> Figure:
-    """Fig. 10: frames (K, H, W, 3) taken at times (K,) [s], row by row."""
+def strip(frames: Sequence[np.ndarray], times: np.ndarray, columns: int = 5) -> Figure:
+    """Fig. 10: K frames (H, W, 3) taken at times (K,) [s], row by row."""
     rows = -(-len(frames) // columns)
-    height = 7.16 / columns * frames.shape[1] / frames.shape[2]
+    height = 7.16 / columns * frames[0].shape[0] / frames[0].shape[1]
     figure, axes = panels(rows, rows * (height + 0.03), columns=columns)
     figure.get_layout_engine().set(w_pad=0.015, h_pad=0.015, wspace=0.0, hspace=0.0)  # type: ignore[union-attr,call-arg]
     for axis in axes.ravel():
@@ -126,29 +132,32 @@ def failure(robot: Robot, run: Run) -> Figure:
     for name, wrench, colour in (("left", series.left_wrench, LEFT), ("right", series.right_wrench, RIGHT)):
         forces.plot(series.time[near], wrench[near, 2], color=colour, label=f"{name} foot")
     forces.axhline(robot.body.mass * GRAVITY, color=REFERENCE, ls="--", lw=0.9, label="weight")
-    for axis, unit in zip(axes[:, 0], ("[mm]", "[mm]", "[mm]", "force [N]"), strict=True):
-        _frame(axis, run.motion, unit)
-        axis.axvline(series.time[sample], color=REFERENCE, lw=1.2)
+    for axis, unit in zip(axes[:, 0], ("distance [mm]", "distance [mm]", "error [mm]", "force [N]"), strict=True):
         axis.set_xlim(start, end)
+        shade_phases(axis, run.motion, "long" if axis is margin else "")
+        axis.axvline(series.time[sample], color=REFERENCE, lw=1.2)
+        axis.set_ylabel(unit)
+        axis.margins(y=0.3)
+        axis.legend(loc="upper left", ncols=3)
     for axis in (margin, distance):
         axis.axhline(0.0, color=OBSTACLE, lw=1.2)
-    shade_phases(margin, run.motion, "long")
     forces.set_xlabel("time [s]")
-    figure.suptitle(run.explanation.replace("; ", "\n"), fontsize=9, x=0.02, ha="left")
+    figure.suptitle(textwrap.fill(run.explanation, 125), fontsize=9, x=0.01, ha="left")
     return figure
 
 
-def clearance_over_time(robot: Robot, motion: Motion) -> np.ndarray:
-    """Signed distance (N,) [m] of the planned robot from the bare obstacle, as the simulation measures its own."""
-    placements = robot.body.placements(motion.q)
-    return np.asarray(np.min([separation(shape, placements, motion.bare_obstacle) for shape in robot.shapes], axis=0))
-
-
-def _frame(axis: Axes, motion: Motion, unit: str) -> None:
-    """Phases, unit and legend of one panel."""
-    shade_phases(axis, motion)
-    axis.set_ylabel(unit)
-    axis.legend(loc="upper left", ncols=3)
+def clearance_over_time(robot: Robot, motion: Motion, q: np.ndarray) -> np.ndarray:
+    """Exact signed distance (n,) [m] of the robot from the bare obstacle, at every EVERYth configuration of (N, nq)."""
+    placements, obstacle = robot.body.placements(q[::EVERY]), motion.bare_obstacle
+    bounds = np.array([separation(shape, placements, obstacle) for shape in robot.shapes])
+    nearest = np.full(bounds.shape[1], np.inf)
+    for sample, order in enumerate(bounds.argsort(axis=0).T):
+        for which in order[: np.searchsorted(bounds[order, sample], 1.5 * SHOWN)]:
+            if bounds[which, sample] > nearest[sample]:
+                break
+            distance = exact_distance(robot.shapes[which], placements, sample, obstacle)
+            nearest[sample] = min(nearest[sample], distance)
+    return nearest
 
 
 def _failing_sample(run: Run) -> int:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 from collections.abc import Callable
 from pathlib import Path
-from typing import ParamSpec
+from typing import Any, ParamSpec
 
 import numpy as np
 from matplotlib import pyplot as plt
@@ -43,9 +43,9 @@ def styled(draw: Callable[P, Figure]) -> Callable[P, Figure]:
     return drawn
 
 
-def panels(rows: int, height: float, columns: int = 1, **options: object) -> tuple[Figure, np.ndarray]:
+def panels(rows: int, height: float, columns: int = 1, **options: Any) -> tuple[Figure, np.ndarray]:
     """A figure as wide as two columns of the paper, and its axes (rows, columns); height in inches."""
-    figure, axes = plt.subplots(rows, columns, figsize=(7.16, height), squeeze=False, **options)  # type: ignore[arg-type]
+    figure, axes = plt.subplots(rows, columns, figsize=(7.16, height), squeeze=False, **options)
     return figure, axes
 
 
@@ -66,10 +66,13 @@ def save(figure: Figure, path: str | Path, name: str = "") -> Figure:
 
 
 def shade_phases(axes: Axes, motion: Motion, names: str = "") -> None:
-    """Shade the phases 1 to 3 of the stepping over (Sec. II), and name them above the axes: "long", "short" or ""."""
+    """Shade the phases 1 to 3 of Sec. II where the axes show them; names above them are "long", "short" or ""."""
+    left, right = axes.get_xlim()
     for phase, colour in PHASES.items():
         samples = motion.samples(phase)
-        start, end = motion.time[samples.start], motion.time[samples.stop]
+        start, end = max(left, motion.time[samples.start]), min(right, motion.time[samples.stop])
+        if end <= start:
+            continue
         axes.axvspan(start, end, color=colour, alpha=0.5 if phase == 2 else 0.16, lw=0, zorder=0)
         if names:
             above = blended_transform_factory(axes.transData, axes.transAxes)
@@ -80,8 +83,8 @@ def shade_phases(axes: Axes, motion: Motion, names: str = "") -> None:
 def time_axis(axes: np.ndarray, motion: Motion, names: str = "long") -> None:
     """Time on the lowest axes of a column, the phases on all of them, their names above the highest."""
     for axis in axes:
-        shade_phases(axis, motion, names if axis is axes[0] else "")
         axis.set_xlim(motion.time[0], motion.time[-1])
+        shade_phases(axis, motion, names if axis is axes[0] else "")
     axes[-1].set_xlabel("time [s]")
 
 

@@ -1,0 +1,165 @@
+"""What a run or a motion looks like from the side: single frames, and an mp4. No physics: q is shown as it is.
+
+The renderer is PyBullet's TinyRenderer, on the CPU. A single frame is drawn at twice its size and averaged, one of a
+film is not: that would take four times as long.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import closing, contextmanager, suppress
+from pathlib import Path
+
+import imageio_ffmpeg
+import numpy as np
+from scipy.ndimage import gaussian_filter1d
+
+from stepover.errors import InvalidInput
+from stepover.model.robot import Robot, load_robot
+from stepover.motion import Motion
+from stepover.simulation.measurements import Run
+from stepover.simulation.world import load_body, local_of, names_of, place_body, pybullet, silenced
+
+EYE, TARGET_HEIGHT, FIELD_OF_VIEW = (0.0, -7.5, 1.75), 0.72, 13.5
+"""Camera: place against the robot [m], height it looks at [m], vertical angle [deg]. From the right: x to the right."""
+FOLLOW = 0.4
+"""s, over which the camera's way is smoothed."""
+AMBER, FLOOR, TILE = (0.98, 0.62, 0.10, 1.0), (0.93, 0.94, 0.95, 1.0), (0.80, 0.83, 0.86, 1.0)
+"""Colours: obstacle, floor, and its tiles of TILE_SIZE."""
+TILE_SIZE, DRAWN_HALF_WIDTH = 0.25, 0.45
+"""m; the obstacle is drawn less wide along y than it is, so that its near end does not hide the feet."""
+LIGHT = {
+    "lightDirection": (-2.0, -5.0, 6.0), "lightColor": (1.0, 1.0, 1.0), "lightDistance": 6.0, "shadow": 0,
+    "lightAmbientCoeff": 0.62, "lightDiffuseCoeff": 0.42, "lightSpecularCoeff": 0.05,
+}  # fmt: skip
+
+
+def frames(
+    source: Run | Motion, times: Sequence[float] | np.ndarray, size: tuple[int, int] = (640, 480),
+    robot: Robot | None = None,
+) -> list[np.ndarray]:  # fmt: skip
+    """Pictures from the side, camera following the waist.
+
+    Args:
+        source: a run (the measured q) or a motion (the planned one).
+        times: (K,) [s]; before the start and after the end, the first and last sample are shown.
+        size: width and height in pixels.
+        robot: the motion's own unless given.
+
+    Returns:
+        K arrays (height, width, 3) of uint8.
+    """
+    return list(_pictures(source, np.asarray(times, dtype=float), size, robot, fineness=2))
+
+
+def record(
+    source: Run | Motion, path: str | Path, *, size: tuple[int, int] = (640, 480), rate: int = 25,
+    robot: Robot | None = None, progress: Callable[[float], None] | None = None,
+) -> None:  # fmt: skip
+    """Film a run or a motion from the side, in real time, as mp4 (H.264).
+
+    Args:
+        source: a run (the measured q) or a motion (the planned one).
+        path: of the mp4; it appears when it is whole.
+        size: width and height in pixels, even.
+        rate: frames a second.
+        robot: the motion's own unless given.
+        progress: called after each frame with the share done, 0 to 1.
+
+    Raises:
+        InvalidInput: the folder does not exist or cannot be written to, the name does not end in .mp4.
+    """
+    path = Path(path)
+    if path.suffix != ".mp4":
+        raise InvalidInput(f"{path}: a video's name must end in .mp4")
+    if not path.parent.is_dir() or not os.access(path.parent, os.W_OK):
+        raise InvalidInput(f"{path} cannot be written: {path.parent} is no folder that can be written to")
+    time, _ = _states(source)
+    times = np.arange(time[0], time[-1] + 1e-9, 1.0 / rate)
+    beside = path.with_name(f".{path.stem}.{os.getpid()}.part.mp4")
+    try:
+        film = imageio_ffmpeg.write_frames(
+            beside, size, fps=rate, codec="libx264", quality=8, macro_block_size=2, ffmpeg_log_level="error"
+        )
+        with closing(film):
+            film.send(None)
+            for k, picture in enumerate(_pictures(source, times, size, robot, fineness=1), start=1):
+                film.send(np.ascontiguousarray(picture))
+                if progress:
+                    progress(k / len(times))
+        os.replace(beside, path)
+    except OSError as error:
+        raise InvalidInput(f"{path} cannot be written: {error.strerror or error}") from error
+    finally:
+        with suppress(OSError):
+            beside.unlink(missing_ok=True)
+
+
+def _states(source: Run | Motion) -> tuple[np.ndarray, np.ndarray]:
+    """Times (M,) and configurations (M, nq) to show."""
+    shown = source.series if isinstance(source, Run) else source
+    return shown.time, shown.q
+
+
+def _pictures(
+    source: Run | Motion, times: np.ndarray, size: tuple[int, int], robot: Robot | None, fineness: int
+) -> Iterator[np.ndarray]:
+    """Pictures (height, width, 3), one by one, drawn fineness times as large and averaged."""
+    motion = source.motion if isinstance(source, Run) else source
+    robot = robot or load_robot(motion.robot)
+    time, q = _states(source)
+    step = float(time[1] - time[0])
+    samples = np.clip(np.round((times - time[0]) / step), 0, len(time) - 1).astype(int)
+    way = gaussian_filter1d(q[:, 0], FOLLOW / step, mode="nearest")
+    with _stage(motion) as client:
+        with silenced():
+            body = load_body(robot, client)
+        joints, local = names_of(robot, body, client)[1], local_of(body, client)
+        for sample in samples:
+            place_body(body, client, joints, local, q[sample])
+            yield _picture(client, float(way[sample]), size, fineness)
+
+
+@contextmanager
+def _stage(motion: Motion) -> Iterator[int]:
+    """A client with floor and obstacle, to look at only."""
+    with silenced():
+        client = pybullet.connect(pybullet.DIRECT)
+    try:
+        ends = motion.waist[:, 0].min() - 2.0, motion.waist[:, 0].max() + 2.0
+        _box(client, (ends[0] - 3.0, -4.0, -0.1), (ends[1] + 3.0, 4.0, 0.0), FLOOR)
+        columns = range(int(np.floor(ends[0] / TILE_SIZE)), int(np.ceil(ends[1] / TILE_SIZE)))
+        for column in columns:
+            for row in range(-4, 4):
+                if (column + row) % 2:
+                    corner = np.array([column, row]) * TILE_SIZE
+                    _box(client, (*corner, 0.0), (*(corner + TILE_SIZE), 0.001), TILE)
+        front, width, height = motion.obstacle[:3]
+        _box(client, (front, -DRAWN_HALF_WIDTH, 0.0), (front + width, DRAWN_HALF_WIDTH, height), AMBER)
+        yield client
+    finally:
+        pybullet.disconnect(client)
+
+
+def _box(client: int, low: Sequence[float], high: Sequence[float], colour: Sequence[float]) -> None:
+    """A box to look at, between two corners."""
+    middle, half = (np.add(low, high) / 2.0).tolist(), (np.subtract(high, low) / 2.0).tolist()
+    look = pybullet.createVisualShape(
+        pybullet.GEOM_BOX, halfExtents=half, rgbaColor=colour, specularColor=(0.0, 0.0, 0.0), physicsClientId=client
+    )
+    pybullet.createMultiBody(0.0, -1, look, middle, physicsClientId=client)
+
+
+def _picture(client: int, x: float, size: tuple[int, int], fineness: int) -> np.ndarray:
+    """One picture (height, width, 3), with the camera abreast of x."""
+    width, height = size
+    eye = (EYE[0] + x, EYE[1], EYE[2])
+    view = pybullet.computeViewMatrix(eye, (x, 0.0, TARGET_HEIGHT), (0.0, 0.0, 1.0))
+    lens = pybullet.computeProjectionMatrixFOV(FIELD_OF_VIEW, width / height, 1.0, 20.0)
+    image = pybullet.getCameraImage(
+        fineness * width, fineness * height, view, lens, renderer=pybullet.ER_TINY_RENDERER,
+        flags=pybullet.ER_NO_SEGMENTATION_MASK, physicsClientId=client, **LIGHT,
+    )[2]  # fmt: skip
+    pixels = np.reshape(image, (height, fineness, width, fineness, 4))[..., :3]
+    return np.asarray(pixels.mean(axis=(1, 3)) + 0.5, dtype=np.uint8)

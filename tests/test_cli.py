@@ -1,0 +1,276 @@
+"""The command line: what it prints, where it complains, and with which exit code it ends."""
+
+import dataclasses
+import json
+import os
+import re
+import subprocess
+import sys
+import types
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from stepover import Motion, Obstacle, __version__, load_robot, planner
+from stepover.cli import main
+from stepover.errors import InvalidInput
+from stepover.report import summary
+
+PLAN_KEYS = {
+    "robot", "obstacle", "key_configuration", "duration", "step_over_duration", "samples", "zmp_rms_first_stage",
+    "zmp_rms", "zmp_error_max", "zmp_margin_min", "clearance_min", "clearance_link", "clearance_time",
+    "joint_margin_min", "joint_margin_joint", "joint_speed_ratio_max", "joint_speed_joint",
+    "com_travel_double_support", "com_acceleration_ratio_max", "adaptations", "planning_time",
+}  # fmt: skip
+SIMULATE_KEYS = {
+    "fell", "fall_time", "fall_reason", "obstacle_contacts", "clearance_min", "clearance_link", "zmp_rms",
+    "landing_force_peak", "waist_error_max", "torque_ratio_max", "speed_ratio_max", "torque_saturated_samples",
+    "actuators", "sole", "stabilizer", "duration", "realtime_factor", "state_hash",
+}  # fmt: skip
+SMALL = ["--height", "0.05", "--width", "0.05"]
+
+
+@pytest.fixture(scope="module")
+def motion():
+    return planner.plan(load_robot("hrp2"), Obstacle(0.05, 0.05))
+
+
+@pytest.fixture(autouse=True)
+def elsewhere(tmp_path, monkeypatch):
+    """Each test runs in a folder of its own, so that what it leaves behind is seen."""
+    monkeypatch.chdir(tmp_path)
+
+
+def call(*arguments):
+    return CliRunner().invoke(main, [str(argument) for argument in arguments], prog_name="python -m stepover")
+
+
+def refused(result, code, *words):
+    """Whether a command ended with this code, one line on stderr with these words, and nothing else."""
+    assert result.exit_code == code, result.output
+    assert result.stdout == ""
+    assert len(result.stderr.splitlines()) == 1
+    for word in words:
+        assert word in result.stderr
+    assert os.listdir() == []
+
+
+class TestPlan:
+    def test_json_is_one_object_with_the_promised_keys(self):
+        result = call("plan", *SMALL, "--output", "m.npz", "--json")
+        assert result.exit_code == 0, result.output
+        assert len(result.stdout.splitlines()) == 1
+        printed = json.loads(result.stdout)
+        assert set(printed) == PLAN_KEYS
+        assert set(printed["key_configuration"]) == {"x_ads", "x_hds", "z_hds"}
+        assert set(printed["planning_time"]) == {"feasibility", "trajectories", "total"}
+        assert printed["obstacle"]["height"] == 0.05
+        assert printed["obstacle"]["distance"] == pytest.approx(Motion.load("m.npz").obstacle[0])
+        assert printed["samples"] == len(Motion.load("m.npz").time)
+
+    def test_summary_and_csv(self):
+        result = call("plan", *SMALL, "--output", "m.npz", "--csv", "m.csv")
+        assert result.exit_code == 0, result.output
+        lines = result.stdout.splitlines()
+        assert lines[-1] == "written to m.npz"
+        assert len({re.match(r"\S+( \S+)*  +", line).end() for line in lines[:-2]}) == 1, "the values are aligned"
+        assert len(Path("m.csv").read_text().splitlines()) == len(Motion.load("m.npz").time) + 1
+
+    @pytest.mark.parametrize("value", ["0", "-0.1", "nan", "inf", "1e400", "abc"])
+    @pytest.mark.parametrize("option", ["--height", "--width"])
+    def test_what_is_no_obstacle(self, option, value):
+        sizes = {"--height": "0.1", "--width": "0.05"} | {option: value}
+        refused(call("plan", *sum(sizes.items(), ()), "--output", "m.npz"), 2, option[2:])
+
+    @pytest.mark.parametrize(
+        ("arguments", "word"),
+        [
+            (["--margin-height", "-0.01"], "margin_height"),
+            (["--margin-width", "nan"], "margin_width"),
+            (["--distance", "0"], "distance"),
+            (["--robot", "hrp3"], "hrp2"),
+            (["--robot", "nowhere.toml"], "nowhere.toml"),
+            (["--arms", "maybe"], "--arms"),
+            (["--speed-limits", "maybe"], "--speed-limits"),
+            (["--colour", "red"], "--colour"),
+            (["--output", "nowhere/m.npz"], "nowhere"),
+            (["--csv", "nowhere/m.csv"], "nowhere"),
+            (["--output", "."], "folder"),
+        ],
+    )
+    def test_bad_options(self, arguments, word):
+        refused(call("plan", *SMALL, "--output", "m.npz", *arguments), 2, word)
+
+    def test_places_are_looked_at_before_the_work(self, monkeypatch):
+        monkeypatch.setattr(planner, "plan_in_detail", lambda *_, **__: pytest.fail("it planned"))
+        refused(call("plan", *SMALL, "--output", "nowhere/m.npz"), 2, "does not exist")
+
+    @pytest.mark.parametrize("missing", ["--height", "--width", "--output"])
+    def test_required_options(self, missing):
+        given = {"--height": "0.1", "--width": "0.05", "--output": "m.npz"}
+        del given[missing]
+        refused(call("plan", *sum(given.items(), ())), 2, missing)
+
+    def test_an_obstacle_nearer_than_the_first_step(self):
+        refused(call("plan", *SMALL, "--distance", "0.2", "--output", "m.npz", "--json"), 3, "nearer", "nearest")
+
+    def test_the_old_file_stays_where_there_is_no_new_one(self):
+        Path("m.npz").write_text("old")
+        assert call("plan", *SMALL, "--distance", "0.2", "--output", "m.npz").exit_code == 3
+        assert Path("m.npz").read_text() == "old"
+
+    def test_interrupted(self, monkeypatch):
+        def interrupt(*_, **__):
+            raise KeyboardInterrupt
+
+        monkeypatch.setattr(planner, "plan_in_detail", interrupt)
+        result = call("plan", *SMALL, "--output", "m.npz")
+        assert (result.exit_code, result.stderr.split()) == (130, ["error:", "interrupted"])
+
+
+def without_a_key(content):
+    content.pop("com")
+
+
+def with_nan(content):
+    content["q"] = np.where(np.arange(content["q"].shape[1]) == 9, np.nan, content["q"])
+
+
+def of_another_robot(content):
+    content["robot"] = np.array("hrp3")
+
+
+class TestSimulate:
+    @pytest.mark.parametrize("damage", [without_a_key, with_nan, of_another_robot])
+    def test_motions_that_contradict_themselves(self, motion, damage, tmp_path_factory):
+        path = tmp_path_factory.mktemp("motions") / "m.npz"
+        motion.save(path)
+        with np.load(path) as archive:
+            content = dict(archive)
+        damage(content)
+        np.savez(path, **content)
+        refused(call("simulate", path), 2)
+
+    @pytest.mark.parametrize("size", [0, 100, 50_000, None])
+    def test_files_that_are_no_motion(self, motion, size, tmp_path_factory):
+        path = tmp_path_factory.mktemp("motions") / "m.npz"
+        motion.save(path)
+        whole = path.read_bytes()
+        path.write_bytes(whole[:size] if size is not None else np.random.default_rng(0).bytes(len(whole)))
+        refused(call("simulate", path), 2, "m.npz")
+
+    @pytest.mark.parametrize(
+        ("arguments", "word"),
+        [
+            (["nowhere.npz"], "no such file"),
+            ([], "MOTION"),
+            (["nowhere.npz", "--video", "nowhere/m.mp4"], "does not exist"),
+            (["nowhere.npz", "--video", "m.avi"], ".mp4"),
+            (["nowhere.npz", "--actuators", "strong"], "--actuators"),
+            (["nowhere.npz", "--perturb", "push"], "name=value"),
+            (["nowhere.npz", "--perturb", "push=hard"], "finite number"),
+            (["nowhere.npz", "--perturb", "push=nan"], "finite number"),
+            (["nowhere.npz", "--perturb", "push=1", "--perturb", "push=2"], "twice"),
+        ],
+    )
+    def test_bad_options(self, arguments, word):
+        refused(call("simulate", *arguments), 2, word)
+
+    def test_crossing_as_a_user_calls_it(self, motion):
+        motion.save("m.npz")
+        done = subprocess.run(
+            [sys.executable, "-m", "stepover", "simulate", "m.npz", "--json"], capture_output=True, text=True
+        )
+        assert (done.returncode, done.stderr) == (0, "")
+        assert len(done.stdout.splitlines()) == 1
+        printed = json.loads(done.stdout)
+        assert set(printed) == SIMULATE_KEYS
+        assert printed["fell"] is False
+        assert printed["fall_time"] is None
+        assert set(printed["landing_force_peak"]) == {"first", "second"}
+        assert os.listdir() == ["m.npz"]
+
+    def test_what_does_not_cross_explains_itself(self, motion):
+        higher = motion.obstacle.copy()
+        higher[2] += 0.15
+        dataclasses.replace(motion, obstacle=higher).save("m.npz")
+        result = call("simulate", "m.npz", "--json")
+        assert result.exit_code == 4
+        assert json.loads(result.stdout)["obstacle_contacts"] > 0
+        assert len(result.stderr.splitlines()) == 1
+        assert "hit the obstacle" in result.stderr
+        assert "m_failure.png" in result.stderr
+        assert Path("m_failure.png").read_bytes().startswith(b"\x89PNG")
+
+
+class TestReproduce:
+    def test_an_unknown_parameter(self):
+        refused(call("reproduce", "-p", "hight=0.2"), 2, "hight", "height")
+
+    def test_a_value_of_the_wrong_type(self):
+        refused(call("reproduce", "-p", "height=high"), 2, "height", "0.15")
+
+    def test_where_the_figures_go_is_not_for_the_user_to_say(self):
+        refused(call("reproduce", "-p", "output=here"), 2, "output")
+
+    def test_an_unknown_notebook(self):
+        refused(call("reproduce", "--only", "stepover_99cm"), 2, "stepover_99cm", "stepover_15cm")
+
+
+class TestWhole:
+    def test_wrong_usage(self):
+        refused(call("plam"), 2, "plam")
+        result = call()
+        assert (result.exit_code, result.stdout) == (2, "")
+        assert "Commands:" in result.stderr
+
+    def test_help(self):
+        overview = call("--help")
+        assert overview.exit_code == 0
+        assert list(main.commands) == ["plan", "simulate", "reproduce"]
+        for name in main.commands:
+            assert name in overview.stdout
+            page = call(name, "--help")
+            assert page.exit_code == 0
+            assert f"Usage: python -m stepover {name}" in page.stdout
+
+    def test_version(self):
+        assert __version__ in call("--version").stdout
+
+    def test_nothing_heavy_is_imported_before_it_is_needed(self):
+        heavy = ["pinocchio", "pybullet", "matplotlib", "scipy", "numpy", "papermill"]
+        code = f"import stepover, stepover.cli, sys; print(set({heavy}) & set(sys.modules))"
+        assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout == "set()\n"
+
+    def test_null_for_what_is_no_number(self):
+        values = {"nan": float("nan"), "many": np.array([1.0, np.inf]), "n": np.int64(3), "none": (None, True)}
+        assert json.loads(summary.as_line(values)) == {"nan": None, "many": [1.0, None], "n": 3, "none": [None, True]}
+
+    def test_a_bug_is_no_bad_input(self, monkeypatch):
+        def broken(*_, **__):
+            raise ZeroDivisionError
+
+        monkeypatch.setattr(planner, "plan_in_detail", broken)
+        result = call("plan", *SMALL, "--output", "m.npz")
+        assert result.exit_code == 1
+        assert isinstance(result.exception, ZeroDivisionError)
+
+    def test_errors_are_one_line(self, monkeypatch):
+        def complain(*_, **__):
+            raise InvalidInput("this\nand that")
+
+        monkeypatch.setattr(planner, "plan_in_detail", complain)
+        refused(call("plan", *SMALL, "--output", "m.npz"), 2, "this and that")
+
+
+def test_the_failure_plot_goes_to_build_where_the_motion_may_not(monkeypatch):
+    from stepover import cli
+
+    monkeypatch.setattr(cli.os, "access", lambda *_: False)
+    monkeypatch.setattr("stepover.report.figures.failure", lambda *_: None)
+    monkeypatch.setattr("stepover.report.figures.save", lambda _, path: path.write_bytes(b""))
+    run = types.SimpleNamespace(motion=types.SimpleNamespace(robot="hrp2"))
+    assert "build/m_failure.png" in cli._plot_failure(run, Path("/m.npz"))
+    assert os.listdir("build") == ["m_failure.png"]

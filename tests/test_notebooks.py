@@ -1,0 +1,75 @@
+"""The notebooks: thin, without outputs, and each one runs with quick parameters."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import nbformat
+import pytest
+
+from stepover.report.reproduce import checkout, parameters_of, run_notebook
+
+NOTEBOOKS = sorted((Path(__file__).parents[1] / "notebooks").glob("*.ipynb"))
+FIGURES = {
+    "pybullet_15cm": {"pybullet_zmp_and_waist", "pybullet_contact_forces", "pybullet_clearance", "fig10_strip"},
+    "stepover_15cm": {
+        "fig1_key_configuration",
+        "fig8_walking_direction",
+        "fig9_lateral_direction",
+        "preview_forms",
+    },
+}
+each = pytest.mark.parametrize("notebook", NOTEBOOKS, ids=lambda path: path.stem)
+
+
+def code_cells(notebook):
+    return [cell for cell in nbformat.read(notebook, as_version=4).cells if cell.cell_type == "code"]
+
+
+def lines_of(cell):
+    return [line for line in cell.source.splitlines() if line.strip() and not line.lstrip().startswith("#")]
+
+
+def test_all_notebooks_are_known_here():
+    assert {notebook.stem for notebook in NOTEBOOKS} == set(FIGURES)
+
+
+@each
+def test_runs_with_quick_parameters(notebook, tmp_path):
+    run_notebook(notebook, tmp_path / "executed.ipynb", tmp_path, {"quick": True})
+    drawn = {path.stem: path.read_bytes() for path in tmp_path.glob("*.png")}
+    assert set(drawn) == FIGURES[notebook.stem]
+    assert all(len(content) > 10_000 for content in drawn.values())
+
+
+@each
+def test_the_reference_figures_are_there(notebook):
+    assert {path.stem for path in (checkout() / "figures").glob("*.png")} >= FIGURES[notebook.stem]
+
+
+@each
+def test_is_thin(notebook):
+    cells = code_cells(notebook)
+    assert max(len(lines_of(cell)) for cell in cells) <= 15
+    assert sum(len(lines_of(cell)) for cell in cells) <= 80
+    assert not [line for cell in cells for line in lines_of(cell) if line.lstrip().startswith(("def ", "class "))]
+
+
+@each
+def test_prose_stands_before_every_cell_that_shows_something(notebook):
+    kinds = [cell.cell_type for cell in nbformat.read(notebook, as_version=4).cells]
+    assert kinds[0] == "markdown"
+    assert "code code code code" not in " ".join(kinds)
+
+
+@each
+def test_parameters(notebook):
+    defaults = parameters_of(notebook)
+    assert {"height", "width", "robot", "output", "quick"} <= set(defaults)
+    assert (defaults["height"], defaults["width"], defaults["quick"]) == (0.15, 0.05, False)
+
+
+@each
+def test_no_outputs_are_stored(notebook):
+    assert all(cell.outputs == [] and cell.execution_count is None for cell in code_cells(notebook))
+    assert subprocess.run([sys.executable, "-m", "nbstripout", "--verify", notebook]).returncode == 0
