@@ -124,13 +124,14 @@ class SteppingOver:
 
 @dataclass(frozen=True)
 class Preview:
-    """Preview control (Sec. III-C2): window in samples, weights without unit, com_height in m."""
+    """Preview control (Sec. III-C2): window in samples, weights without unit, com_height in m, filter_fade in s."""
 
     window: int
     zmp_weight: float
     jerk_weight: float
     com_height: float
     filter_passes_max: int
+    filter_fade: float
 
 
 @dataclass(frozen=True)

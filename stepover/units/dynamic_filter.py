@@ -23,7 +23,9 @@ def filtered_waist(robot: Robot, waist: np.ndarray, zmp_reference: np.ndarray, z
         zmp: (N, 2) multi-body ZMP of the motion with that waist [m].
     """
     dt = robot.walk.sample_time
-    difference = zmp_reference - zmp  # p_ref2 of Eq. (19)
+    begun = np.clip(np.arange(len(zmp)) * dt / robot.preview.filter_fade, 0.0, 1.0)
+    fade = begun**2 * (3.0 - 2.0 * begun)  # at the start nothing can be previewed, and a step would kick
+    difference = (zmp_reference - zmp) * fade[:, None]  # p_ref2 of Eq. (19)
     change = track(kajita_gains(robot.preview, dt), difference, robot.preview, dt).position
     moved = waist.copy()
     moved[:, :2] += change
