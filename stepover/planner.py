@@ -234,6 +234,8 @@ def _first(
             lower = (nearest.z_hds - key.z_hds) / (every * search.waist_height_step)
             if key.x_ads - nearest.x_ads > search.step_length_more + 1e-9:
                 break
+            if key.x_ads - nearest.x_ads < search.step_length_more_from - 1e-9:
+                continue
             if abs(longer - round(longer)) > 1e-6 or abs(lower - round(lower)) > 1e-6:
                 continue
             try:
@@ -258,10 +260,20 @@ def _crossable(robot: Robot, obstacle: Obstacle, arms: str, speed_limits: str, e
 
 
 def _slowed(robot: Robot, obstacle: Obstacle, found: Plan, efforts: list[Effort]) -> Plan:
-    """The motion with a longer single support over the obstacle, until no joint exceeds its speed limit."""
+    """A motion in which no joint exceeds its speed limit: slower as it is, or else as robot.toml says for that."""
+    try:
+        return _lengthened(robot, obstacle, found, efforts)
+    except Infeasible:
+        slow = robot.slowed()
+        first = _first(slow, obstacle, key_configurations(slow, obstacle), efforts)
+        return _lengthened(slow, obstacle, first, efforts)
+
+
+def _lengthened(robot: Robot, obstacle: Obstacle, found: Plan, efforts: list[Effort]) -> Plan:
+    """The motion with longer single supports over the obstacle, until no joint exceeds its speed limit."""
     slower = robot
     for _ in range(robot.verdict.slowings):
-        ratio, _, when = speed_ratio(slower, found.motion)
+        ratio, joint, when = speed_ratio(slower, found.motion)
         if ratio <= 1.0:
             return found
         trailing = when > found.motion.time[found.motion.samples(2).stop]
@@ -270,10 +282,7 @@ def _slowed(robot: Robot, obstacle: Obstacle, found: Plan, efforts: list[Effort]
         walk = dataclasses.replace(slower.walk, **{name: float(samples * slower.walk.sample_time)})
         slower = dataclasses.replace(robot, walk=walk)
         found = _first(slower, obstacle, key_configurations(slower, obstacle), efforts)
-    ratio, joint, when = speed_ratio(slower, found.motion)
-    if ratio > 1.0:
-        raise Infeasible(f"{joint} moves at {ratio:.2f} of its speed limit at t = {when:.3f} s")
-    return found
+    raise Infeasible(f"{joint} moves at {ratio:.2f} of its speed limit at t = {when:.3f} s")
 
 
 def _footsteps(sequence: StepSequence) -> np.ndarray:

@@ -90,6 +90,7 @@ class Feasibility:
     delta_ds: float
     knee_margin_deg: float
     step_length_max: float
+    step_length_more_from: float
     step_length_more: float
     step_length_more_step: float
     step_length_step: float
@@ -187,6 +188,44 @@ class Verdict:
 
 
 @dataclass(frozen=True)
+class QuasiStatic:
+    """The quasi-static baseline (Sec. II-A): lengths in m, times in s, angles in degrees, shares of a leg's way."""
+
+    clearance: float
+    com_ahead: float
+    com_behind: float
+    com_parts: int
+    step_length_step: float
+    waist_height_step: float
+    places: int
+    place_max: float
+    tries: int
+    knee_spare_deg: float
+    spare: float
+    search_rounds: int
+    rounds: int
+    look: int
+    raises: tuple[float, ...]
+    leg1_rise: float
+    leg1_descent: float
+    leg1_extra_lift: float
+    lower_from: float
+    lower_until: float
+    leg2_rise: float
+    leg2_descent: float
+    leg2_over: float
+    leg2_extra_lift: float
+    leg2_pitch_start: float
+    leg2_pitch_full: float
+    leg2_pitches_deg: tuple[float, ...]
+    leg2_backs: tuple[float, ...]
+    raise_from: float
+    raise_until: float
+    swing_time: float
+    swing_samples: int
+
+
+@dataclass(frozen=True)
 class Simulation:
     """The physics. Times in s, torques in N m, lengths in m, angles in degrees; friction and shares without unit."""
 
@@ -202,9 +241,10 @@ class Simulation:
     after_fall: float
 
 
-SIGNED = {"contact_x", "contact_y", "front", "rear", "angles_deg", "leg1_pitch_deg"}
+SIGNED = {"zmp_ahead", "contact_x", "contact_y", "front", "rear", "angles_deg", "leg1_pitch_deg"}
 """Keys whose values may be negative; all others must be positive, or zero where ZERO says so."""
 ZERO = {
+    "step_length_more_from",
     "arms_start",
     "foothold_clearance",
     "knee_margin_deg",
