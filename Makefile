@@ -14,7 +14,7 @@ wrong_python = stepover needs Python 3.11 (PyBullet has no wheels for later ones
 call make PYTHON3=/path/to/python3.11
 
 .DEFAULT_GOAL := help
-.PHONY: help env reproduce test lab bench lint clean
+.PHONY: help env reproduce test studies lab bench lint clean
 
 help:       ## list these commands
 	@sed -n 's/^\([a-z]*\): .*## \(.*\)/\1|\2/p' $(MAKEFILE_LIST) | \
@@ -27,6 +27,9 @@ reproduce: $(READY)  ## run every notebook; write every figure and claim to figu
 
 test: $(READY)       ## run the tests, the notebooks with quick parameters among them
 	$(PYTHON) -m pytest -n auto --dist loadfile
+
+studies: $(READY)    ## make the long tables in figures/ on all cores; goes on where it was interrupted
+	$(PYTHON) -m stepover.report.studies
 
 lab: $(READY)        ## open JupyterLab on the notebooks
 	$(PYTHON) -m jupyterlab notebooks
@@ -45,8 +48,8 @@ clean:      ## remove build/ and the caches; keep .venv
 	find . -path ./$(VENV) -prune -o \( -name __pycache__ -o -name .ipynb_checkpoints \) -prune -exec rm -rf {} +
 
 # One thread a process: the parallelism is that of the processes, and sums come out the same on every run.
-reproduce test bench: export OMP_NUM_THREADS = 1
-reproduce test bench: export OPENBLAS_NUM_THREADS = 1
+reproduce test studies bench: export OMP_NUM_THREADS = 1
+reproduce test studies bench: export OPENBLAS_NUM_THREADS = 1
 # Not for reproduce: there the notebooks' own backend, which needs no display either, keeps the figures in their pages.
 test: export MPLBACKEND = Agg
 

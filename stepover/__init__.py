@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from stepover.model.robot import Robot, load_robot
     from stepover.motion import Motion
     from stepover.planner import plan
+    from stepover.quasi_static import quasi_static_plan
     from stepover.simulation.run import simulate
 
 __version__ = "0.1.0"
@@ -30,6 +31,7 @@ _HOMES = {
     "StepOverError": "stepover.errors",
     "load_robot": "stepover.model.robot",
     "plan": "stepover.planner",
+    "quasi_static_plan": "stepover.quasi_static",
     "simulate": "stepover.simulation.run",
 }
 __all__ = [
@@ -42,6 +44,7 @@ __all__ = [
     "StepOverError",
     "load_robot",
     "plan",
+    "quasi_static_plan",
     "simulate",
 ]
 

@@ -234,8 +234,6 @@ def _first(
             lower = (nearest.z_hds - key.z_hds) / (every * search.waist_height_step)
             if key.x_ads - nearest.x_ads > search.step_length_more + 1e-9:
                 break
-            if key.x_ads - nearest.x_ads < search.step_length_more_from - 1e-9:
-                continue
             if abs(longer - round(longer)) > 1e-6 or abs(lower - round(lower)) > 1e-6:
                 continue
             try:
@@ -260,16 +258,6 @@ def _crossable(robot: Robot, obstacle: Obstacle, arms: str, speed_limits: str, e
 
 
 def _slowed(robot: Robot, obstacle: Obstacle, found: Plan, efforts: list[Effort]) -> Plan:
-    """A motion in which no joint exceeds its speed limit: slower as it is, or else as robot.toml says for that."""
-    try:
-        return _lengthened(robot, obstacle, found, efforts)
-    except Infeasible:
-        slow = robot.slowed()
-        first = _first(slow, obstacle, key_configurations(slow, obstacle), efforts)
-        return _lengthened(slow, obstacle, first, efforts)
-
-
-def _lengthened(robot: Robot, obstacle: Obstacle, found: Plan, efforts: list[Effort]) -> Plan:
     """The motion with longer single supports over the obstacle, until no joint exceeds its speed limit."""
     slower = robot
     for _ in range(robot.verdict.slowings):

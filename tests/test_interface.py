@@ -131,7 +131,7 @@ def test_importing_stepover_loads_neither_pinocchio_nor_pybullet():
     assert found.stdout.strip() == "[]"
 
 
-@pytest.mark.parametrize("name", ["Obstacle", "load_robot", "plan", "simulate", "Motion",
+@pytest.mark.parametrize("name", ["Obstacle", "load_robot", "plan", "quasi_static_plan", "simulate", "Motion",
                                   "StepOverError", "InvalidInput", "Infeasible", "CorruptMotion"])  # fmt: skip
 def test_the_promised_names_are_there(name):
     assert name in stepover.__all__

@@ -11,14 +11,31 @@ from stepover.report.reproduce import checkout, parameters_of, run_notebook
 
 NOTEBOOKS = sorted((Path(__file__).parents[1] / "notebooks").glob("*.ipynb"))
 FIGURES = {
+    "adaptation": {"adaptation_clearance", "waist_yaw_frontier", "obstacle_plane"},
+    "feasibility_domains": {"fig2_feasibility_domains", "feasibility_by_height", "feasibility_unit"},
+    "quasi_static_vs_dynamic": {
+        "duration_over_epsilon",
+        "strategies_from_above",
+        "strategies_over_time",
+        "strategies_strip",
+    },
     "pybullet_15cm": {"pybullet_zmp_and_waist", "pybullet_contact_forces", "pybullet_clearance", "fig10_strip"},
+    "pybullet_25cm": {
+        "fig6_strip",
+        "pybullet_25cm_clearance",
+        "pybullet_25cm_contact_forces",
+        "pybullet_25cm_zmp_and_waist",
+    },
     "stepover_15cm": {
         "fig1_key_configuration",
         "fig8_walking_direction",
         "fig9_lateral_direction",
         "preview_forms",
     },
+    "stepover_25cm": {"fig5_stick_diagram", "fig7_waist_and_feet", "ubmg_lead_knee"},
 }
+OBSTACLES = {"adaptation": [0.15, 0.20, 0.25], "pybullet_25cm": 0.25, "stepover_25cm": 0.25}
+"""Height [m] that a notebook has for a default, where it is not 0.15."""
 each = pytest.mark.parametrize("notebook", NOTEBOOKS, ids=lambda path: path.stem)
 
 
@@ -65,8 +82,9 @@ def test_prose_stands_before_every_cell_that_shows_something(notebook):
 @each
 def test_parameters(notebook):
     defaults = parameters_of(notebook)
-    assert {"height", "width", "robot", "output", "quick"} <= set(defaults)
-    assert (defaults["height"], defaults["width"], defaults["quick"]) == (0.15, 0.05, False)
+    height = defaults.get("height", defaults.get("heights"))
+    assert {"width", "robot", "output", "quick"} <= set(defaults)
+    assert (height, defaults["width"], defaults["quick"]) == (OBSTACLES.get(notebook.stem, 0.15), 0.05, False)
 
 
 @each

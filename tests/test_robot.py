@@ -515,22 +515,3 @@ def marks():
 
 def test_every_figure_of_robot_toml_has_its_mark():
     assert [f"{section}.{key}" for section, key, mark in marks() if not mark] == []
-
-
-def test_slow_changes_what_it_names_and_nothing_else(robot, robot_table):
-    slow = robot.slowed()
-    changed = {(section, key) for section, part in robot_table["slow"].items() for key in part}
-    assert changed
-    for section, part in robot_table.items():
-        if not isinstance(part, dict) or section in ("slow", "posture", "legs"):
-            continue
-        for key in part:
-            same = getattr(getattr(slow, section), key) == getattr(getattr(robot, section), key)
-            assert same or (section, key) in changed
-    assert slow.walk.single_support_over > robot.walk.single_support_over
-
-
-@pytest.mark.parametrize("wrong", [{"wlak": {"lift": 0.1}}, {"walk": {"lfit": 0.1}}, {"walk": {"lift": -0.1}}, 3.0])
-def test_nonsense_in_slow_is_refused(spoilt, wrong):
-    with pytest.raises(InvalidInput, match="slow"):
-        load_robot(spoilt({("slow",): wrong}))

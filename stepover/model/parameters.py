@@ -90,7 +90,6 @@ class Feasibility:
     delta_ds: float
     knee_margin_deg: float
     step_length_max: float
-    step_length_more_from: float
     step_length_more: float
     step_length_more_step: float
     step_length_step: float
@@ -241,10 +240,9 @@ class Simulation:
     after_fall: float
 
 
-SIGNED = {"zmp_ahead", "contact_x", "contact_y", "front", "rear", "angles_deg", "leg1_pitch_deg"}
+SIGNED = {"contact_x", "contact_y", "front", "rear", "angles_deg", "leg1_pitch_deg"}
 """Keys whose values may be negative; all others must be positive, or zero where ZERO says so."""
 ZERO = {
-    "step_length_more_from",
     "arms_start",
     "foothold_clearance",
     "knee_margin_deg",
@@ -265,6 +263,10 @@ RISING = (
     ("leg2_pitch_start", "leg2_pitch_full", "leg2_descent"),
     ("arms_start", "arms_back"),
     ("zmp_heel_until", "zmp_ahead_at"),
+    ("leg2_rise", "leg2_descent", "leg2_over"),
+    ("leg2_pitch_full", "leg2_descent"),
+    ("lower_from", "lower_until"),
+    ("raise_from", "raise_until"),
 )
 """Keys of one table whose values must rise from each to the next."""
 SHARES = {

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from functools import cached_property
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any, get_type_hints
 
 import numpy as np
@@ -48,7 +46,6 @@ class Robot:
         root: name of the root link, the waist.
         legs, foot, outline, posture, upper_body, walk, feasibility, stepping_over, preview, adaptor, beyond_paper,
             verdict, quasi_static, simulation: the tables of robot.toml, each a dataclass of stepover.model.parameters.
-        slow: those of them that differ where the joints' speed limits are to be kept.
     """
 
     name: str
@@ -69,7 +66,6 @@ class Robot:
     verdict: Verdict
     quasi_static: QuasiStatic
     simulation: Simulation
-    slow: Mapping[str, Any]
 
     def __post_init__(self) -> None:
         """Read the URDF, and refuse joints and links that it lacks."""
@@ -126,10 +122,6 @@ class Robot:
             side: Leg(self.body, side, joints, self.foot.ankle_height, rest[[self.body.column(j) for j in joints]])
             for side, joints in ((1, self.legs.left), (-1, self.legs.right))
         }
-
-    def slowed(self) -> Robot:
-        """The robot as it moves where the joints' speed limits are to be kept."""
-        return replace(self, **self.slow)
 
     def leg(self, side: int) -> Leg:
         """The leg of a side: +1 left, -1 right."""
@@ -202,13 +194,9 @@ def _read(table: dict[str, Any]) -> dict[str, Any]:
         if key not in names:
             raise InvalidInput(f"has an unknown key {key!r}; known are {', '.join(names)}")
     texts = {key: table[key] for key in names if hints[key] is str}
-    sections = [key for key in names if key not in texts and key != "slow"]
+    sections = [key for key in names if key not in texts]
     for key, text in texts.items():
         if not isinstance(text, str) or not text:
             raise InvalidInput(f"{key} = {text!r} must be a name")
     whole = {key: read_section(hints[key], table[key], key) for key in sections}
-    slow = table["slow"]
-    if not isinstance(slow, dict) or not all(key in sections and isinstance(slow[key], dict) for key in slow):
-        raise InvalidInput(f"slow = {slow!r} must be a table of tables that are named as others: {', '.join(sections)}")
-    changed = {key: read_section(hints[key], table[key] | part, f"slow.{key}") for key, part in slow.items()}
-    return texts | whole | {"slow": MappingProxyType(changed)}
+    return texts | whole

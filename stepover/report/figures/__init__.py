@@ -1,19 +1,36 @@
 """Every figure: a function from values to a matplotlib figure, all in one style. Only here is pyplot imported."""
 
+from stepover.report.figures.adapted import arms_and_lead_knee, before_and_after, stick_diagram
+from stepover.report.figures.feasibility import areas_by_height, domains_overlaid, feasibility_domains, key_domains
+from stepover.report.figures.limits import clearance_bought, highest_with_and_without_yaw, obstacle_plane
 from stepover.report.figures.planned import lateral_direction, preview_forms, walking_direction
 from stepover.report.figures.posture import key_configuration
 from stepover.report.figures.simulated import clearance, contact_forces, failure, planned_and_simulated, strip
+from stepover.report.figures.strategies import duration_over_epsilon, ways_from_above, ways_over_time
 from stepover.report.figures.style import save
 
 __all__ = [
+    "areas_by_height",
+    "arms_and_lead_knee",
+    "before_and_after",
     "clearance",
+    "clearance_bought",
     "contact_forces",
+    "domains_overlaid",
+    "duration_over_epsilon",
     "failure",
+    "feasibility_domains",
+    "highest_with_and_without_yaw",
     "key_configuration",
+    "key_domains",
     "lateral_direction",
+    "obstacle_plane",
     "planned_and_simulated",
     "preview_forms",
     "save",
+    "stick_diagram",
     "strip",
     "walking_direction",
+    "ways_from_above",
+    "ways_over_time",
 ]

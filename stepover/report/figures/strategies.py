@@ -1,0 +1,153 @@
+"""Quasi-static against dynamic: the ways of CoM and ZMP from above and over time, and the duration over epsilon."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from stepover.model.robot import Robot
+from stepover.model.support import corners_on_floor
+from stepover.motion import Motion
+from stepover.report.figures.planned import support_span
+from stepover.report.figures.style import (
+    FIRST_STAGE,
+    LEFT,
+    OBSTACLE,
+    PHASES,
+    PLANNED,
+    REFERENCE,
+    RIGHT,
+    SIMULATED,
+    SUPPORT,
+    WAIST,
+    numbered,
+    panels,
+    styled,
+)
+
+COM, ZMP = FIRST_STAGE, PLANNED
+AROUND = 0.35
+"""Way that is shown before and behind the step over the obstacle [m]."""
+
+
+@styled
+def ways_from_above(robot: Robot, motions: Mapping[str, Motion]) -> Figure:
+    """Soles, obstacle, CoM and ZMP from above, a panel each motion; x from the rear ankle before the obstacle."""
+    figure, axes = panels(len(motions), 2.35 * len(motions) + 0.3, sharex=True)
+    for axis, motion in zip(axes[:, 0], motions.values(), strict=True):
+        first, between, second = (motion.samples(phase) for phase in (1, 2, 3))
+        origin = _rear_ankle(motion)
+        front, width = motion.obstacle[:2]
+        axis.axvspan(front - origin, front + width - origin, color=OBSTACLE, alpha=0.45, lw=0, label="obstacle")
+        for side, colour, name in ((1, LEFT, "left sole"), (-1, RIGHT, "right sole")):
+            for place in _standing_places(motion, side):
+                corners = corners_on_floor(robot, side, place) - [origin, 0.0]
+                axis.fill(*corners.T, color=colour, alpha=0.30, lw=0.6, label=name)
+                name = ""
+        axis.plot(motion.zmp[:, 0] - origin, motion.zmp[:, 1], color=ZMP, lw=2.6, label="ZMP, multi-body")
+        axis.plot(motion.com[:, 0] - origin, motion.com[:, 1], color=COM, lw=1.2, label="CoM")
+        for sample, marker, filled, name in (
+            (first.start, "^", False, "leg 1 lifts off"), (between.start, "o", True, "leg 1 lands"),
+            (between.stop, "s", False, "leg 2 lifts off"), (second.stop, "D", True, "leg 2 lands"),
+        ):  # fmt: skip
+            look = {"ms": 4.0} if filled else {"ms": 9.0, "mfc": "none", "mew": 1.1}
+            place = motion.com[sample, :2] - [origin, 0.0]
+            axis.plot(*place, color=REFERENCE, marker=marker, ls="", label=name, zorder=5, **look)
+        axis.set(ylabel="y [m]", ylim=(-0.20, 0.20), xlim=(-AROUND, motion.key_configuration[0] + 2.0 * AROUND))
+        axis.set_aspect("equal")
+        axis.grid(visible=False)
+    axes[-1, 0].set_xlabel("x from the rear ankle [m]")
+    numbered(axes, list(motions))
+    figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=5)
+    return figure
+
+
+@styled
+def ways_over_time(robot: Robot, motions: Mapping[str, Motion]) -> Figure:
+    """CoM and ZMP along the way with the support polygon's reach, each in its own time; below, how far they are apart.
+
+    Time 0 is the lift-off of leg 1; the numbers are the phases of Sec. II. The lower panel has one scale for all.
+    """
+    count = len(motions)
+    figure, grid = panels(2, 5.0, columns=count, height_ratios=[1.2, 1.0])
+    for axis in grid[1]:
+        axis.remove()
+    below = figure.add_subplot(grid[0, 0].get_gridspec()[1, :])
+    shades = (SIMULATED, WAIST)
+    for column, (name, motion) in enumerate(motions.items()):
+        axis, origin = grid[0, column], _rear_ankle(motion)
+        time = motion.time - motion.time[motion.samples(1).start]
+        span = support_span(robot, motion)[:, :, 0] - origin
+        axis.fill_between(time, span[:, 0], span[:, 1], color=SUPPORT, lw=0, label="support", zorder=0.5)
+        axis.plot(time, motion.zmp[:, 0] - origin, color=ZMP, lw=2.6, label="ZMP, multi-body")
+        axis.plot(time, motion.com[:, 0] - origin, color=COM, lw=1.2, label="CoM")
+        lasting = (motion.samples(3).stop - motion.samples(1).start) * motion.dt
+        axis.set(xlim=(max(time[0], -0.35 * lasting), min(time[-1], 1.35 * lasting)), xlabel="time [s]")
+        axis.set_ylim(-0.35, motion.key_configuration[0] + 0.45)
+        _shade(axis, motion, time)
+        axis.set_ylabel("x from the rear ankle [m]" if column == 0 else "")
+        axis.legend(loc="upper left")
+        shown = (time >= -0.35 * lasting) & (time <= 1.35 * lasting)
+        apart = 1e3 * np.linalg.norm(motion.zmp - motion.com[:, :2], axis=1)
+        below.plot(time[shown], np.maximum(apart[shown], 1e-3), color=shades[column % 2], label=name)
+    below.set(yscale="log", xlabel="time [s]", ylabel="ZMP from CoM [mm]", ylim=(2e-2, 1e3))
+    below.legend(loc="upper right", ncols=count)
+    numbered(np.array([*grid[0], below]), [*motions, "distance of the ZMP from the CoM's projection, on one scale"])
+    return figure
+
+
+@styled
+def duration_over_epsilon(
+    epsilons: np.ndarray,
+    durations: Mapping[str, np.ndarray],
+    marks: Mapping[str, tuple[float, float]],
+    chosen: float,
+) -> Figure:
+    """Durations (n,) [s] over epsilon (n,) [m], and the paper's numbers where they meet a curve.
+
+    Args:
+        epsilons: (n,) [m].
+        durations: curves (n,) [s] by name.
+        marks: epsilon [m] and duration [s] by name.
+        chosen: epsilon of the motion that is shown [m].
+    """
+    figure, axes = panels(1, 3.4)
+    axis = axes[0, 0]
+    for (name, curve), colour in zip(durations.items(), (PLANNED, SIMULATED, WAIST, FIRST_STAGE), strict=False):
+        axis.plot(1e3 * epsilons, curve, color=colour, label=name)
+    axis.axvline(1e3 * chosen, color=REFERENCE, ls="--", lw=0.9, label="the motion shown here")
+    for (name, (epsilon, duration)), marker in zip(marks.items(), "osD^v", strict=False):
+        label = f"{name}: {1e3 * epsilon:.3g} mm"
+        axis.plot(1e3 * epsilon, duration, color=REFERENCE, marker=marker, ms=5.5, ls="", label=label, zorder=5)
+    axis.set(xscale="log", yscale="log", xlabel="epsilon, ZMP from CoM at most [mm]", ylabel="duration [s]")
+    ticks = [tick for tick in (0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0) if tick <= 1.2e3 * epsilons.max()]
+    axis.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
+    axis.set_yticks([1, 2, 4, 10, 20, 40, 60], ["1", "2", "4", "10", "20", "40", "60"])
+    axis.minorticks_off()
+    axis.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0))
+    return figure
+
+
+def _rear_ankle(motion: Motion) -> float:
+    """Where the rear ankle stands while leg 1 steps over, x [m]."""
+    start = motion.samples(1).start
+    return float(motion.foot(int(motion.support[start]))[start, 0])
+
+
+def _standing_places(motion: Motion, side: int) -> np.ndarray:
+    """Sole poses (P, 7) at which a foot stands."""
+    steps = motion.footsteps[motion.footsteps[:, 1] == side]
+    landed = np.round((steps[:, 0] - motion.time[0]) / motion.dt).astype(int)
+    return motion.foot(side)[[0, *landed]]
+
+
+def _shade(axis: Axes, motion: Motion, time: np.ndarray) -> None:
+    """Shade the phases and number them at the foot of an axis whose time runs as time (N,) does."""
+    for phase, colour in PHASES.items():
+        samples = motion.samples(phase)
+        start, end = time[samples.start], time[samples.stop]
+        axis.axvspan(start, end, color=colour, alpha=0.16, lw=0, zorder=0)
+        axis.text((start + end) / 2.0, -0.33, str(phase), ha="center", va="bottom", fontsize=8.5)
