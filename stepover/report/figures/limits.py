@@ -93,7 +93,7 @@ def obstacle_plane(rows: Sequence[Crossing]) -> Figure:
         axis.spines[side].set_visible(False)
     named = ((CROSSED, "crossed, the paper's methods"), (CROSSED_BEYOND, "crossed, with what is beyond the paper"),
              (FAILED, "planned, but fell or touched"), (NOT_PLANNED, "refused by the planner"))  # fmt: skip
-    handles = [Patch(color=_shade(colour), label=text) for colour, text in named]
+    handles = [Patch(facecolor=_shade(colour), lw=0, label=text) for colour, text in named]
     figure.legend(handles=handles, loc="outside upper center", ncols=2)
     return figure
 
@@ -103,7 +103,7 @@ def _tile(x: float, y: float, colour: str) -> Patch:
     return Rectangle((x - 0.48, y - 0.46), 0.96, 0.92, facecolor=_shade(colour), lw=0)
 
 
-def _shade(colour: str) -> tuple[float, ...]:
+def _shade(colour: str) -> tuple[float, float, float, float]:
     """What was refused is drawn lighter than what was planned."""
     return to_rgba(colour, 0.35 if colour == NOT_PLANNED else 1.0)
 
