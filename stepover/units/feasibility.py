@@ -14,7 +14,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from stepover.errors import Infeasible
-from stepover.model.collision import Shape
 from stepover.model.obstacle import Obstacle
 from stepover.model.pose import pose
 from stepover.model.robot import Robot
@@ -70,7 +69,7 @@ def key_configurations(robot: Robot, obstacle: Obstacle, leading: int = -1) -> l
     postures = key_postures(robot, obstacle, x_ads, search.delta_ds * x_ads, z_hds, yaw)
     good = postures.good(search.spare)
     if not good.any():
-        raise Infeasible(_why_not(postures, leg_shapes(robot), x_ads, z_hds, search.knee_margin_deg))
+        raise Infeasible(_why_not(robot, postures, x_ads, z_hds))
     found = zip(x_ads[good].tolist(), z_hds[good].tolist(), strict=True)
     return [KeyConfiguration(x, search.delta_ds * x, z, yaw) for x, z in found]
 
@@ -101,15 +100,17 @@ def front_face(robot: Robot, obstacle: Obstacle, x_ads: np.ndarray) -> np.ndarra
     return x_ads - heel - obstacle.margin_width - obstacle.width
 
 
-def _why_not(postures: LegCheck, shapes: list[Shape], x_ads: np.ndarray, z_hds: np.ndarray, knee_deg: float) -> str:
+def _why_not(robot: Robot, postures: LegCheck, x_ads: np.ndarray, z_hds: np.ndarray) -> str:
     """Name the constraint that binds at the posture that comes nearest to feasible."""
+    search = robot.feasibility
     able = (postures.reach <= 0.0) & (postures.limit >= 0.0)
     if not able.any():
         step = f"no step of {x_ads[0]:.3f} m or more"
-        return f"no key configuration: {step} with knees {knee_deg:.0f} degrees from straight"
+        return f"no key configuration: {step} with knees {search.knee_margin_deg:.0f} degrees from straight"
     best = int(np.argmax(np.where(able, postures.separation, -np.inf)))
-    link, depth = shapes[postures.shape[best]].link, -1e3 * postures.separation[best]
+    link = leg_shapes(robot)[postures.shape[best]].link
+    depth = 1e3 * (search.spare - postures.separation[best])
     return (
         f"no key configuration: at the best posture (X_ads {x_ads[best]:.3f} m, Z_hds {z_hds[best]:.3f} m) "
-        f"{link} is {depth:.1f} mm inside the obstacle with its margins"
+        f"{link} is {depth:.1f} mm inside the obstacle with its margins and {1e3 * search.spare:.0f} mm to spare"
     )
