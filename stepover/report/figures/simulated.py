@@ -47,8 +47,9 @@ def planned_and_simulated(run: Run) -> Figure:
         panel.plot(series.time, series.q[:, axis], color=WAIST, lw=2.2, label="waist, simulated")
         panel.plot(motion.time, motion.waist[:, axis], color=REFERENCE, ls="--", lw=0.9, label="waist, planned")
         panel.set_ylabel(f"{name} [m]")
-        panel.margins(y=0.12 if axis == 0 else 0.25)
-        panel.legend(loc="upper left" if axis == 0 else "upper right", ncols=2)
+        panel.margins(y=0.12)
+        if axis == 0:
+            panel.legend(loc="upper left", ncols=2)
     error = 1e3 * (series.q[:, :3] - motion.waist[: len(series.time), :3])
     for axis, (name, colour) in enumerate((("x", PLANNED), ("y", FIRST_STAGE), ("z", WAIST))):
         axes[2, 0].plot(series.time, error[:, axis], color=colour, lw=1.0, label=name)
