@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from stepover.errors import Infeasible
-from stepover.model.body import Placements
 from stepover.model.collision import clearance, self_clearance, separation
 from stepover.model.obstacle import Obstacle
 from stepover.model.robot import Robot
@@ -110,15 +109,10 @@ def require(robot: Robot, obstacle: Obstacle, motion: Motion) -> None:
     distance, one, other, sample = self_clearance(robot.own_pairs, placements, look)
     if distance <= 0.0:
         raise Infeasible(f"{one} and {other} meet, {-1e3 * distance:.1f} mm deep, at t = {motion.time[sample]:.3f} s")
-    front = float(motion.obstacle[0])
-    free = np.column_stack([free_distance(robot, obstacle, front, s, placements) for s in range(len(robot.shapes))])
+    safe = obstacle.profile(float(motion.obstacle[0]), margins=True)
+    free = np.column_stack([separation(shape, placements, safe) for shape in robot.shapes])
     links = [shape.link for shape in robot.shapes]
     _refuse(motion, free, links, lambda x: 1e3 * x, "mm inside the obstacle's safety margin")
-
-
-def free_distance(robot: Robot, obstacle: Obstacle, front: float, shape: int, placements: Placements) -> np.ndarray:
-    """Signed distance (N,) [m] of one shape from the obstacle with its margins; see separation."""
-    return separation(robot.shapes[shape], placements, obstacle.profile(front, margins=True))
 
 
 def _refuse(motion: Motion, margin: np.ndarray, names: list[str], scale: Callable[[float], float], what: str) -> None:
