@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import time
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -14,89 +13,19 @@ from stepover.model.obstacle import Obstacle
 from stepover.model.robot import Robot
 from stepover.motion import FORMAT, Motion, obstacle_row
 from stepover.nearest import nearest_crossable
+from stepover.planned import Effort, Plan
 from stepover.units.beyond_paper import extra_shape, extra_zmp
-from stepover.units.com_waist import ComWaist, com_and_waist
+from stepover.units.com_waist import com_and_waist
 from stepover.units.dynamic_filter import filtered_waist
 from stepover.units.feasibility import KeyConfiguration, key_configurations
-from stepover.units.feet_adaptor import METHODS, Adaptation, adapt_feet, raise_waist
+from stepover.units.feet_adaptor import adapt_feet, raise_waist
 from stepover.units.feet_trajectories import FeetTrajectories, feet_trajectories
 from stepover.units.step_sequence import StepSequence, step_sequence
-from stepover.units.upper_body import UpperBody, moved, upper_body
+from stepover.units.upper_body import moved, upper_body
 from stepover.verdict import require, speed_ratio
 
 ARMS = ("auto", "on", "off")
 SPEED_LIMITS = ("ignore", "respect")
-
-
-@dataclass(frozen=True)
-class Effort:
-    """What the planner may use.
-
-    Attributes:
-        arms: "auto", "on" or "off": UBMG.
-        methods: which of FTA's three methods.
-        level: of what is added beyond the paper; 0: nothing.
-    """
-
-    arms: str = "auto"
-    methods: tuple[int, ...] = METHODS
-    level: int = 0
-
-
-@dataclass(frozen=True, eq=False)
-class Plan:
-    """A motion and how it came about.
-
-    Attributes:
-        motion: the result.
-        key: key configuration.
-        sequence: the steps.
-        feet: trajectories of the feet by FTG, before they were adapted.
-        first_stage: CoM and waist of CWTG1.
-        upper: what UBMG decided.
-        adaptation: what FTA did.
-        effort: what was used.
-        filter_passes: how often the dynamic filter ran.
-        planning_time: feasibility, trajectories and total [s].
-    """
-
-    motion: Motion
-    key: KeyConfiguration
-    sequence: StepSequence
-    feet: FeetTrajectories
-    first_stage: ComWaist
-    upper: UpperBody
-    adaptation: Adaptation
-    effort: Effort
-    filter_passes: int
-    planning_time: dict[str, float]
-
-    @property
-    def adaptations(self) -> dict[str, object]:
-        """What FTA and UBMG did, and how often the filter ran, as plain numbers: m, rad, s."""
-        upper, feet = self.upper, self.adaptation
-        return {
-            "filter_passes": self.filter_passes,
-            "beyond_paper_level": self.effort.level,
-            "ubmg": {
-                "acted": upper.arm_swing > 0.0,
-                "arm_swing": upper.arm_swing,
-                "waist_shift_max": float(np.abs(upper.waist_shift[:, 0]).max()),
-                "knee_spare_before": upper.knee_before,
-                "knee_spare_after": upper.knee_after,
-                "p_ref2_min": float(-upper.zmp_change[:, 0].max()),
-                "p_ref2_max": float(-upper.zmp_change[:, 0].min()),
-            },
-            "fta": {
-                "acted": feet.acted,
-                "leg": "leg 2" if feet.acted else None,
-                "foot_back": feet.shift,
-                "waist_raised": feet.raised,
-                "ankle_pushed": feet.pushed,
-                "start": feet.start,
-                "end": feet.end,
-            },
-        }
 
 
 def plan(

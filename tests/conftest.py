@@ -17,7 +17,8 @@ import pytest
 from stepover.model.obstacle import Obstacle
 from stepover.model.robot import Robot, data_folder, load_robot
 from stepover.motion import Motion
-from stepover.planner import Plan, plan_in_detail
+from stepover.planned import Plan
+from stepover.planner import plan_in_detail
 
 HRP2 = data_folder() / "hrp2"
 

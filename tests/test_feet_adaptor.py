@@ -3,7 +3,8 @@ import pytest
 
 from stepover.errors import Infeasible
 from stepover.model.obstacle import Obstacle
-from stepover.planner import Effort, algorithm_1, plan_in_detail
+from stepover.planned import Effort
+from stepover.planner import algorithm_1, plan_in_detail
 from stepover.units.beyond_paper import extra_shape, extra_zmp
 from stepover.units.com_waist import com_and_waist
 from stepover.units.feasibility import key_configurations

@@ -24,13 +24,13 @@ from stepover.model.parameters import (
     Posture,
     Preview,
     QuasiStatic,
-    Simulation,
     SteppingOver,
     UpperBody,
     Verdict,
     Walk,
-    read_section,
 )
+from stepover.model.physics_parameters import Simulation
+from stepover.model.reading import read_section
 
 SIDES = {"left": 1, "right": -1}
 
@@ -45,7 +45,8 @@ class Robot:
         urdf: file name of the URDF.
         root: name of the root link, the waist.
         legs, foot, outline, posture, upper_body, walk, feasibility, stepping_over, preview, adaptor, beyond_paper,
-            verdict, quasi_static, simulation: the tables of robot.toml, each a dataclass of stepover.model.parameters.
+            verdict, quasi_static, simulation: the tables of robot.toml, each a dataclass of model.parameters or, the
+            last, model.physics_parameters.
     """
 
     name: str

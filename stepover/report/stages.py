@@ -14,7 +14,8 @@ import numpy as np
 from stepover.errors import Infeasible
 from stepover.model.obstacle import Obstacle
 from stepover.model.robot import Robot
-from stepover.planner import Effort, Plan, algorithm_1, whole_body
+from stepover.planned import Effort, Plan
+from stepover.planner import algorithm_1, whole_body
 from stepover.report.key_posture import knees_from_straight
 from stepover.units.beyond_paper import extra_shape, extra_zmp
 from stepover.units.com_waist import ComWaist, com_and_waist

@@ -12,7 +12,7 @@ from stepover.verdict import measure
 if TYPE_CHECKING:
     from stepover.model.obstacle import Obstacle
     from stepover.model.robot import Robot
-    from stepover.planner import Plan
+    from stepover.planned import Plan
     from stepover.simulation.measurements import Run
 
 

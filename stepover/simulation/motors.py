@@ -6,7 +6,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from stepover.errors import InvalidInput
-from stepover.model.parameters import Simulation
+from stepover.model.physics_parameters import Simulation
 from stepover.motion import Motion
 from stepover.simulation.world import World
 

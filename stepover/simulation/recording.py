@@ -7,7 +7,7 @@ import hashlib
 import numpy as np
 
 from stepover.model import pose
-from stepover.model.parameters import Simulation
+from stepover.model.physics_parameters import Simulation
 from stepover.simulation.world import Touch, World
 
 

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from stepover.model.body import Placements
 from stepover.model.obstacle import Obstacle
 from stepover.model.robot import Robot
-from stepover.planner import Plan
+from stepover.planned import Plan
 from stepover.report.figures.style import (
     FIRST_STAGE,
     LEFT,

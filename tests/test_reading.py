@@ -1,4 +1,4 @@
-"""model/parameters.py: whatever is wrong in a robot.toml is refused with a line that names it."""
+"""model/reading.py: whatever is wrong in a robot.toml is refused with a line that names it."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import pytest
 from conftest import DROP, HRP2
 
 from stepover import InvalidInput, load_robot
-from stepover.model import parameters
+from stepover.model import reading
 
 TABLE = tomllib.loads((HRP2 / "robot.toml").read_text())
 
@@ -35,7 +35,7 @@ NUMBER_LISTS = [keys for keys in LISTS if not isinstance(LEAVES[keys][0], str)]
 
 
 def section_of(keys):
-    """The key as it is called in parameters.SIGNED and ZERO: the angles of the posture share one name."""
+    """The key as it is called in reading.SIGNED and ZERO: the angles of the posture share one name."""
     return "angles_deg" if "angles_deg" in keys else keys[-1]
 
 
@@ -44,8 +44,8 @@ def dotted(keys):
     return ".".join(keys)
 
 
-POSITIVE = [keys for keys in NUMBERS if section_of(keys) not in parameters.SIGNED | parameters.ZERO]
-NOT_NEGATIVE = [keys for keys in NUMBERS if section_of(keys) not in parameters.SIGNED]
+POSITIVE = [keys for keys in NUMBERS if section_of(keys) not in reading.SIGNED | reading.ZERO]
+NOT_NEGATIVE = [keys for keys in NUMBERS if section_of(keys) not in reading.SIGNED]
 
 
 def refusal(path):
@@ -140,7 +140,7 @@ def test_a_pair_of_one_or_three_is_named(spoilt, keys, more):
 
 @pytest.mark.parametrize(
     ("section", "keys"),
-    [(section, keys) for section in TABLE for keys in parameters.RISING
+    [(section, keys) for section in TABLE for keys in reading.RISING
      if isinstance(TABLE[section], dict) and sum(key in TABLE[section] for key in keys) > 1],
     ids=str,
 )  # fmt: skip
@@ -153,7 +153,7 @@ def test_values_out_of_order_are_named(spoilt, section, keys):
             assert low in message
 
 
-@pytest.mark.parametrize("key", sorted(parameters.SHARES))
+@pytest.mark.parametrize("key", sorted(reading.SHARES))
 def test_a_share_of_more_than_all_is_named(spoilt, key):
     sections = [section for section, table in TABLE.items() if isinstance(table, dict) and key in table]
     assert sections
@@ -172,12 +172,12 @@ def test_a_search_that_begins_below_its_end_is_named(spoilt):
 
 def test_rules_name_keys_that_exist():
     known = {keys[-1] for keys in LEAVES} | {"angles_deg"}
-    ruled = parameters.SIGNED | parameters.ZERO | parameters.SHARES | parameters.RANGES | set(chain(*parameters.RISING))
+    ruled = reading.SIGNED | reading.ZERO | reading.SHARES | reading.RANGES | set(chain(*reading.RISING))
     assert ruled <= known
 
 
 def test_lengths_times_and_weights_may_be_neither_negative_nor_zero():
-    free = {key for keys in NUMBERS if (key := section_of(keys)) in parameters.SIGNED | parameters.ZERO}
+    free = {key for keys in NUMBERS if (key := section_of(keys)) in reading.SIGNED | reading.ZERO}
     assert not free & {"ankle_height", "waist_height", "heel", "toe", "sample_time", "window", "com_height"}
     assert not free & {"single_support", "double_support", "jerk_weight", "zmp_weight", "step_length", "delta_ds"}
 
