@@ -161,8 +161,6 @@ def _first(
         for key in keys:
             longer = (key.x_ads - nearest.x_ads) / (every * search.step_length_more_step)
             lower = (nearest.z_hds - key.z_hds) / (every * search.waist_height_step)
-            if key.x_ads - nearest.x_ads > search.step_length_more + 1e-9:
-                break
             if abs(longer - round(longer)) > 1e-6 or abs(lower - round(lower)) > 1e-6:
                 continue
             try:

@@ -13,7 +13,8 @@ from scipy.spatial.transform import Rotation
 
 from stepover import InvalidInput
 from stepover.model import pose
-from stepover.model.body import Body, axis_rotation
+from stepover.model.body import Body
+from stepover.model.kinematics import axis_rotation
 
 G = 9.81
 BRICK = """<robot name="brick"><link name="BRICK"><inertial><origin xyz="{lever}"/><mass value="7"/>

@@ -9,8 +9,9 @@ import pytest
 from conftest import random_q
 
 from stepover import InvalidInput, Obstacle
-from stepover.model.body import Body, Placements
+from stepover.model.body import Body
 from stepover.model.collision import clearance, distance_between, exact_distance, profile, separation, shapes_of
+from stepover.model.kinematics import Placements
 from stepover.model.obstacle import LATERAL_HALF_EXTENT
 
 BEAM = Obstacle(0.15, 0.05).profile(0.1, margins=False)

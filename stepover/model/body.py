@@ -8,22 +8,15 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from functools import cached_property
+from functools import cached_property, lru_cache
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
 
 from stepover.errors import InvalidInput
 from stepover.model import pose
-
-
-class Placements(NamedTuple):
-    """Where the joints are: rotations (N, J, 3, 3) and positions (N, J, 3) in the world; joint 1 is the root."""
-
-    rotations: np.ndarray
-    positions: np.ndarray
+from stepover.model.kinematics import Joint, Placements, place_joints
 
 
 class Body:
@@ -64,12 +57,23 @@ class Body:
         self._origins = [(p.rotation.copy(), p.translation.copy()) for p in self._model.jointPlacements]
         self._parents = list(self._model.parents)
 
+    @property
+    def model(self) -> pin.Model:
+        """The model itself, for what works on single configurations: model.instant."""
+        return self._model
+
     @cached_property
     def axes(self) -> np.ndarray:
         """Joint axes (nq - 7, 3) in their own frames."""
         data = self._model.createData()
         pin.computeJointJacobians(self._model, data, pin.neutral(self._model))
         return np.array([np.ravel(data.joints[i].S)[3:] for i in range(2, self._model.njoints)])
+
+    @cached_property
+    def _tree(self) -> dict[int, Joint]:
+        """All joints behind the root by their index, for forward kinematics."""
+        joints = range(2, self._model.njoints)
+        return {i: Joint(self._parents[i], *self._origins[i], self.axes[i - 2]) for i in joints}
 
     def mass_beyond(self, joint: str) -> float:
         """Mass [kg] that hangs on a joint."""
@@ -106,38 +110,37 @@ class Body:
             joints: only these joints, which must be whole chains from the root; the others are left NaN.
         """
         wanted = range(2, self._model.njoints) if joints is None else sorted(self.index(joint) for joint in joints)
-        rotations = np.full((len(q), self._model.njoints, 3, 3), np.nan)
-        positions = np.full((len(q), self._model.njoints, 3), np.nan)
-        rotations[:, 0], positions[:, 0] = np.eye(3), 0.0
-        rotations[:, 1], positions[:, 1] = pose.rotation(q[:, :7]), q[:, :3]
-        for index in wanted:
-            fixed, shift = self._origins[index]
-            parent = self._parents[index]
-            base = rotations[:, parent]
-            rotations[:, index] = (base @ fixed) @ axis_rotation(self.axes[index - 2], q[:, index + 5])
-            positions[:, index] = positions[:, parent] + base @ shift
-        return Placements(rotations, positions)
+        chain = {index: self._tree[index] for index in wanted}
+        return place_joints(chain, self._model.njoints, (pose.rotation(q[:, :7]), q[:, :3]), q[:, 7:])
 
     def com(self, placements: Placements) -> np.ndarray:
         """Centre of mass (N, 3) [m]."""
-        levers = np.einsum("njab,jb->nja", placements.rotations, self._centres)
-        return np.einsum("j,nja->na", self._masses, placements.positions + levers) / self.mass
+        turns, places = placements.rotations.transpose(2, 1, 3, 0), placements.positions.transpose(2, 1, 0)
+        shares = self._masses / self.mass
+        levers = np.einsum("jb,ajbn->an", shares[:, None] * self._centres, turns)
+        return (levers + np.einsum("j,ajn->an", shares, places)).T
 
     def velocities(self, q: np.ndarray, dt: float) -> np.ndarray:
         """Velocities (N, nv) by central differences on the manifold; one-sided at the ends."""
-        steps = self._steps(q)
-        return (steps[1:] + steps[:-1]) / (2.0 * dt)
+        return self._derivatives(q, dt)[0]
 
     def accelerations(self, q: np.ndarray, dt: float) -> np.ndarray:
         """Accelerations (N, nv) by second differences on the manifold; zero at the ends."""
-        return np.diff(self._steps(q), axis=0) / dt**2
+        return self._derivatives(q, dt)[1]
+
+    def _derivatives(self, q: np.ndarray, dt: float) -> tuple[np.ndarray, np.ndarray]:
+        """Velocities and accelerations."""
+        steps = self._steps(q)
+        return (steps[1:] + steps[:-1]) / (2.0 * dt), np.diff(steps, axis=0) / dt**2
 
     def contact_wrench(self, q: np.ndarray, dt: float) -> np.ndarray:
         """Force and moment about the world's origin that the ground must give: (N, 6) [N, N m]."""
-        pool = pin.ModelPool(self._model, os.cpu_count() or 1)
-        columns = [np.asfortranarray(x.T) for x in (q, self.velocities(q, dt), self.accelerations(q, dt))]
-        torques = np.asfortranarray(np.zeros((self._model.nv, len(q))))
-        pin.rneaInParallel(os.cpu_count() or 1, pool, *columns, torques)
+        still = np.ptp(q[:, 7:], axis=0) == 0.0
+        pool = _pool(self._model, tuple(np.flatnonzero(still).tolist()), tuple(q[0, 7:][still].tolist()))
+        q = np.delete(q, 7 + np.flatnonzero(still), axis=1)
+        columns = [np.asfortranarray(x.T) for x in (q, *self._derivatives(q, dt))]
+        torques = np.zeros_like(columns[1])
+        pin.rneaInParallel(pool.size(), pool, *columns, torques)
         base = pose.rotation(q[:, :7])
         force, moment = (np.einsum("nab,bn->na", base, torques[rows]) for rows in (slice(0, 3), slice(3, 6)))
         return np.column_stack([force, moment + np.cross(q[:, :3], force)])
@@ -158,13 +161,6 @@ class Body:
         return np.vstack([steps[:1], steps, steps[-1:]])
 
 
-def axis_rotation(axis: np.ndarray, angles: np.ndarray) -> np.ndarray:
-    """Rotations (N, 3, 3) about one unit axis (3,) by angles (N,) [rad]: Rodrigues' formula."""
-    skew = np.cross(axis, np.eye(3)).T
-    sines, cosines = np.sin(angles)[:, None, None], np.cos(angles)[:, None, None]
-    return np.eye(3) + sines * skew + (1.0 - cosines) * (skew @ skew)
-
-
 def _log_translation(turn: np.ndarray, shift: np.ndarray) -> np.ndarray:
     """Linear part (N, 3) of the logarithm on SE(3) of a rotation vector and a translation, (N, 3) each."""
     angle = np.linalg.norm(turn, axis=1, keepdims=True)
@@ -173,3 +169,16 @@ def _log_translation(turn: np.ndarray, shift: np.ndarray) -> np.ndarray:
     factor = np.where(small, 1.0 / 12.0 + angle**2 / 720.0, 1.0 / safe**2 - 0.5 / (safe * np.tan(safe / 2.0)))
     once = np.cross(turn, shift)
     return shift - 0.5 * once + factor * np.cross(turn, once)
+
+
+@lru_cache(maxsize=8)
+def _pool(model: pin.Model, still: tuple[int, ...], angles: tuple[float, ...]) -> pin.ModelPool:
+    """A model whose joints that stand still are rigid, for as many threads as OpenMP may use.
+
+    Joints that never move, such as those of the hands, take no part in the dynamics but with their masses.
+    """
+    reference = pin.neutral(model)
+    reference[[7 + joint for joint in still]] = angles
+    reduced = pin.buildReducedModel(model, [2 + joint for joint in still], reference)
+    threads = os.environ.get("OMP_NUM_THREADS", "")
+    return pin.ModelPool(reduced, int(threads) if threads.isdigit() else os.cpu_count() or 1)

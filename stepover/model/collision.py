@@ -7,6 +7,7 @@ and the exact depth of a penetration); coal gives the exact signed distance in 3
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -15,7 +16,8 @@ import numpy as np
 from scipy.spatial import ConvexHull
 
 from stepover.errors import InvalidInput
-from stepover.model.body import Body, Placements
+from stepover.model.body import Body
+from stepover.model.kinematics import Placements
 from stepover.model.obstacle import LATERAL_HALF_EXTENT
 
 FLOOR_DEPTH = 1.0
@@ -67,8 +69,13 @@ def shapes_of(body: Body) -> list[Shape]:
 
 def profile(shape: Shape, placements: Placements) -> np.ndarray:
     """Corners of a shape in the x-z plane: (N, V, 2) [m]."""
-    rotations = placements.rotations[:, shape.joint][:, [0, 2]]
-    return shape.vertices @ np.swapaxes(rotations, 1, 2) + placements.positions[:, None, shape.joint, [0, 2]]
+    return _rows(shape, placements).transpose(2, 1, 0)
+
+
+def _rows(shape: Shape, placements: Placements) -> np.ndarray:
+    """The same with time as the last, contiguous axis: (2, V, N)."""
+    rows = [shape.vertices @ placements.rotations[:, shape.joint, k].T for k in (0, 2)]
+    return np.array(rows) + placements.positions[:, shape.joint, [0, 2]].T[:, None]
 
 
 def separation(shape: Shape, placements: Placements, rectangle: np.ndarray) -> np.ndarray:
@@ -77,41 +84,48 @@ def separation(shape: Shape, placements: Placements, rectangle: np.ndarray) -> n
     Negative: the depth of the penetration; positive: a lower bound of the distance. The axes of the rectangle come
     first; those of the shape are asked only where they leave less than NEAR.
     """
-    corners = profile(shape, placements)
-    low, high = rectangle[..., 0::2], rectangle[..., 1::2]
-    result = np.maximum(corners.min(axis=1) - high, low - corners.max(axis=1)).max(axis=1)
+    corners = _rows(shape, placements)
+    low, high = rectangle[..., 0::2].T, rectangle[..., 1::2].T  # (2,) or (2, N)
+    if rectangle.ndim == 1:
+        low, high = low[:, None], high[:, None]
+    result = np.maximum(corners.min(axis=1) - high, low - corners.max(axis=1)).max(axis=0)
     near = np.flatnonzero(result < NEAR)
     if len(near):
-        limits = np.broadcast_to(rectangle, (len(corners), 4))[near]
-        directions = shape.edges @ np.swapaxes(placements.rotations[near, shape.joint][:, [0, 2]], 1, 2)
-        result[near] = np.maximum(result[near], _along_edges(corners[near], directions, limits))
+        limits = np.broadcast_to(rectangle, (len(result), 4))[near].T
+        edges = np.array([shape.edges @ placements.rotations[near, shape.joint, k].T for k in (0, 2)])
+        result[near] = np.maximum(result[near], _along_edges(corners[..., near], edges, limits))
     return result
 
 
-def _along_edges(corners: np.ndarray, directions: np.ndarray, rectangle: np.ndarray) -> np.ndarray:
-    """Largest separation (n,) over the normals of projected edges (n, E, 2), of corners (n, V, 2) and (n, 4)."""
-    lengths = np.linalg.norm(directions, axis=2)
-    normals = directions[..., ::-1] * [1.0, -1.0] / np.maximum(lengths, 1e-9)[..., None]
-    along = corners @ np.swapaxes(normals, 1, 2)
-    middle = (rectangle[:, None, 0::2] + rectangle[:, None, 1::2]) / 2.0
-    half = (rectangle[:, None, 1::2] - rectangle[:, None, 0::2]) / 2.0
-    centre, reach = (normals * middle).sum(axis=2), (np.abs(normals) * half).sum(axis=2)
+def _along_edges(corners: np.ndarray, edges: np.ndarray, rectangle: np.ndarray) -> np.ndarray:
+    """Largest separation (n,) over the normals of projected edges (2, E, n), of corners (2, V, n) and (4, n)."""
+    lengths = np.hypot(*edges)
+    normal_x, normal_z = edges[::-1] * [[[1.0]], [[-1.0]]] / np.maximum(lengths, 1e-9)
+    along = normal_x[:, None] * corners[0] + normal_z[:, None] * corners[1]  # (E, V, n)
+    x_min, x_max, z_min, z_max = rectangle
+    centre = (normal_x * (x_min + x_max) + normal_z * (z_min + z_max)) / 2.0
+    reach = (np.abs(normal_x) * (x_max - x_min) + np.abs(normal_z) * (z_max - z_min)) / 2.0
     apart = np.maximum(along.min(axis=1) - centre, centre - along.max(axis=1)) - reach
-    return np.where(lengths > 1e-6, apart, -np.inf).max(axis=1)
+    return np.where(lengths > 1e-6, apart, -np.inf).max(axis=0)
 
 
 def clearance(shapes: list[Shape], placements: Placements, rectangle: np.ndarray) -> Clearance:
     """Smallest distance of all links from the obstacle over a motion: broad phase by profiles, then coal."""
     bounds = np.array([separation(shape, placements, rectangle) for shape in shapes])
-    order = np.column_stack(np.unravel_index(np.argsort(bounds, axis=None), bounds.shape))
-    best = Clearance(np.inf, "", 0)
-    for which, sample in order:
-        if bounds[which, sample] > best.distance:
+    distance, which, sample = _smallest(bounds, lambda i, k: exact_distance(shapes[i], placements, k, rectangle))
+    return Clearance(distance, shapes[which].link, sample)
+
+
+def _smallest(bounds: np.ndarray, exact: Callable[[int, int], float]) -> tuple[float, int, int]:
+    """Smallest exact value, its row and column, with as few calls as lower bounds (A, B) allow."""
+    flat = bounds.ravel()
+    best = exact(*divmod(int(flat.argmin()), bounds.shape[1])), int(flat.argmin())
+    rest = np.flatnonzero(flat <= best[0])  # seldom many: only these need sorting
+    for index in rest[np.argsort(flat[rest])].tolist():
+        if flat[index] > best[0]:
             break
-        distance = exact_distance(shapes[which], placements, int(sample), rectangle)
-        if distance < best.distance:
-            best = Clearance(distance, shapes[which].link, int(sample))
-    return best
+        best = min(best, (exact(*divmod(index, bounds.shape[1])), index))
+    return best[0], *divmod(best[1], bounds.shape[1])
 
 
 def exact_distance(shape: Shape, placements: Placements, sample: int, rectangle: np.ndarray) -> float:
@@ -131,26 +145,29 @@ def self_clearance(
 ) -> tuple[float, str, str, int]:
     """Smallest signed distance [m] between pairs of the robot's own shapes, their links, and the sample at which.
 
-    Broad phase by bounding spheres, then coal.
+    Broad phase by boxes along the root's axes, since the legs hang side by side from it; then coal.
     """
-    best = (np.inf, "", "", 0)
-    for first, second in pairs:
-        centres, radii = zip(*(_sphere(shape, placements, samples) for shape in (first, second)), strict=True)
-        bounds = np.linalg.norm(centres[0] - centres[1], axis=1) - sum(radii)
-        for k in np.argsort(bounds):
-            if bounds[k] > best[0]:
-                break
-            distance = distance_between(first, second, placements, int(samples[k]))
-            best = min(best, (distance, first.link, second.link, int(samples[k])))
-    return best
+    look = Placements(placements.rotations[samples], placements.positions[samples])
+    shapes = list({id(shape): shape for pair in pairs for shape in pair}.values())
+    row = {id(shape): k for k, shape in enumerate(shapes)}
+    first, second = np.array([[row[id(shape)] for shape in pair] for pair in pairs]).T
+    lows, highs = (np.array(ends) for ends in zip(*(_box_in_root(shape, look) for shape in shapes), strict=True))
+    bounds = np.full((len(pairs), len(samples)), -np.inf)
+    for axis in range(3):
+        low, high = lows[:, axis], highs[:, axis]
+        np.maximum(bounds, low[first] - high[second], out=bounds)
+        np.maximum(bounds, low[second] - high[first], out=bounds)
+    distance, which, k = _smallest(bounds, lambda i, k: distance_between(*pairs[i], look, k))
+    return distance, pairs[which][0].link, pairs[which][1].link, int(samples[k])
 
 
-def _sphere(shape: Shape, placements: Placements, samples: np.ndarray) -> tuple[np.ndarray, float]:
-    """Centres (n, 3) and radius of a sphere around a shape."""
-    middle = shape.vertices.mean(axis=0)
-    radius = float(np.linalg.norm(shape.vertices - middle, axis=1).max())
-    rotations, positions = placements.rotations[samples, shape.joint], placements.positions[samples, shape.joint]
-    return rotations @ middle + positions, radius
+def _box_in_root(shape: Shape, placements: Placements) -> tuple[np.ndarray, np.ndarray]:
+    """Lowest and highest coordinates (3, n) of a shape in the root's frame."""
+    root = np.ascontiguousarray(np.swapaxes(placements.rotations[:, 1], 1, 2))
+    turn = root @ placements.rotations[:, shape.joint]
+    shift = np.einsum("nab,nb->na", root, placements.positions[:, shape.joint] - placements.positions[:, 1])
+    corners = shape.vertices @ turn.transpose(1, 2, 0) + shift.T[:, None]  # (3, V, n)
+    return corners.min(axis=1), corners.max(axis=1)
 
 
 def distance_between(first: Shape, second: Shape, placements: Placements, sample: int) -> float:

@@ -14,7 +14,8 @@ from scipy.spatial.transform import Rotation
 
 from stepover.errors import Infeasible, InvalidInput
 from stepover.model import pose
-from stepover.model.body import Body, axis_rotation
+from stepover.model.body import Body
+from stepover.model.kinematics import axis_rotation
 
 
 @dataclass(frozen=True, eq=False)

@@ -130,6 +130,11 @@ class Robot:
 
     def half_sitting(self) -> np.ndarray:
         """Configuration (nq,) of the half-sitting posture, with the origin midway between the ankles."""
+        return self._half_sitting.copy()
+
+    @cached_property
+    def _half_sitting(self) -> np.ndarray:
+        """The same, computed once."""
         q = np.zeros(7 + len(self.body.joint_names))
         q[6] = 1.0
         for joint, angle in self.posture.angles_deg.items():

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from stepover.model import pose
-from stepover.model.body import Placements
+from stepover.model.kinematics import Placements
 from stepover.model.collision import clearance, separation
 from stepover.model.robot import Robot
 from stepover.model.support import zmp_margin

@@ -19,6 +19,9 @@ from stepover.model.pose import pose
 from stepover.model.robot import Robot
 from stepover.units.leg_check import LegCheck, check_legs, leg_shapes
 
+STEPS_AT_ONCE = 16
+"""Step lengths that are judged together: enough for arrays to pay, few enough to stop soon."""
+
 
 @dataclass(frozen=True)
 class KeyConfiguration:
@@ -42,10 +45,10 @@ class KeyConfiguration:
 
 
 def key_configurations(robot: Robot, obstacle: Obstacle, leading: int = -1) -> list[KeyConfiguration]:
-    """All key configurations in the order of the search, the one to use first: step 1 of Algorithm 1.
+    """Key configurations in the order of the search, the one to use first: step 1 of Algorithm 1.
 
-    The later ones are for a planner whose legs do not reach along the whole way: then the waist goes lower (as in
-    Guan et al., Sec. II-A), or the step longer.
+    The later ones, with steps up to step_length_more longer, are for a planner whose legs do not reach along the whole
+    way: then the waist goes lower (as in Guan et al., Sec. II-A), or the step longer.
 
     Args:
         robot: the robot.
@@ -64,14 +67,23 @@ def key_configurations(robot: Robot, obstacle: Obstacle, leading: int = -1) -> l
         )
     steps = np.arange(shortest, search.step_length_max + 1e-9, search.step_length_step)
     heights = np.arange(robot.posture.waist_height, search.waist_height_min - 1e-9, -search.waist_height_step)
-    x_ads, z_hds = (axis.ravel() for axis in np.meshgrid(steps, heights, indexing="ij"))
     yaw = -leading * np.radians(search.waist_yaw_deg)
-    postures = key_postures(robot, obstacle, x_ads, search.delta_ds * x_ads, z_hds, yaw)
-    good = postures.good(search.spare)
-    if not good.any():
-        raise Infeasible(_why_not(robot, postures, x_ads, z_hds))
-    found = zip(x_ads[good].tolist(), z_hds[good].tolist(), strict=True)
-    return [KeyConfiguration(x, search.delta_ds * x, z, yaw) for x, z in found]
+    found: list[KeyConfiguration] = []
+    judged: list[tuple[LegCheck, np.ndarray, np.ndarray]] = []
+    for some in np.split(steps, range(STEPS_AT_ONCE, len(steps), STEPS_AT_ONCE)):
+        if found and some[0] > found[0].x_ads + search.step_length_more + 1e-9:
+            break
+        x_ads, z_hds = (axis.ravel() for axis in np.meshgrid(some, heights, indexing="ij"))
+        postures = key_postures(robot, obstacle, x_ads, search.delta_ds * x_ads, z_hds, yaw)
+        good = postures.good(search.spare)
+        pairs = zip(x_ads[good].tolist(), z_hds[good].tolist(), strict=True)
+        found += [KeyConfiguration(x, search.delta_ds * x, z, yaw) for x, z in pairs]
+        judged.append((postures, x_ads, z_hds))
+    if not found:
+        tables, *grids = zip(*judged, strict=True)
+        everything = LegCheck(*(np.concatenate(part) for part in zip(*tables, strict=True)))
+        raise Infeasible(_why_not(robot, everything, *(np.concatenate(grid) for grid in grids)))
+    return [key for key in found if key.x_ads <= found[0].x_ads + search.step_length_more + 1e-9]
 
 
 def key_postures(

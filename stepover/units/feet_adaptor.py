@@ -94,7 +94,7 @@ def adapt_feet(
     """
     adaptor = robot.adaptor
     if _is_clear(robot, obstacle, sequence, waist, feet):
-        return _adaptation(robot, obstacle, sequence, waist, feet, 0.0, 0.0, push=False)
+        return Adaptation(feet, np.zeros(len(waist)), 0.0, 0.0, 0.0, np.nan, np.nan, clear=True)
     shifts = np.arange(0.0, adaptor.shift_max + 1e-9, adaptor.shift_step) if 1 in methods else np.zeros(1)
     raises = np.arange(0.0, adaptor.raise_max + 1e-9, adaptor.raise_step) if 2 in methods else np.zeros(1)
     best = (-np.inf, 0.0, 0.0)

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from stepover.model.body import Placements
+from stepover.model.kinematics import Placements
 from stepover.model.obstacle import Obstacle
 from stepover.model.robot import Robot
 from stepover.planned import Plan

@@ -7,8 +7,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from scipy.spatial import ConvexHull
 
-from stepover.model.body import Placements
 from stepover.model.collision import profile
+from stepover.model.kinematics import Placements
 from stepover.model.obstacle import Obstacle
 from stepover.model.robot import Robot
 from stepover.report.figures.style import LEFT, OBSTACLE, REFERENCE, RIGHT, panels, styled
