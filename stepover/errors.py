@@ -26,14 +26,20 @@ class Infeasible(StepOverError):
     Attributes:
         constraint: what cannot be met, by how much, and when.
         nearest: the nearest obstacle that can be stepped over, where one was looked for.
+        short: what is missing, where that is a length [m]; infinity where it is not.
     """
 
-    def __init__(self, constraint: str, nearest: Obstacle | None = None) -> None:
+    def __init__(self, constraint: str, nearest: Obstacle | None = None, short: float = float("inf")) -> None:
         """Keep the binding constraint and, once known, the nearest crossable obstacle."""
         self.constraint = constraint
         self.nearest = nearest
+        self.short = short
         super().__init__(constraint)
 
     def __str__(self) -> str:
         """One line: the constraint, then what can be crossed instead."""
         return self.constraint if self.nearest is None else f"{self.constraint}; {self.nearest.as_advice()}"
+
+
+class OutOfReach(Infeasible):
+    """A sole that a leg cannot reach, by `short`."""

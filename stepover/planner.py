@@ -8,7 +8,7 @@ import time
 import numpy as np
 
 from stepover import __version__
-from stepover.errors import Infeasible, InvalidInput
+from stepover.errors import Infeasible, InvalidInput, OutOfReach
 from stepover.model.obstacle import Obstacle
 from stepover.model.robot import Robot
 from stepover.motion import FORMAT, Motion, obstacle_row
@@ -102,7 +102,12 @@ def algorithm_1(robot: Robot, obstacle: Obstacle, key: KeyConfiguration, effort:
     waist, feet, adaptation = moved(first.waist, upper.waist_shift), ftg, None
     zmps: list[np.ndarray] = []
     for _ in range(robot.preview.filter_passes_max):
-        q = whole_body(robot, waist, feet, upper.q, sequence.time)  # 4: IK
+        try:
+            q = whole_body(robot, waist, feet, upper.q, sequence.time)  # 4: IK
+        except OutOfReach as error:
+            if adaptation is None:
+                raise
+            raise Infeasible(error.constraint, short=error.short) from error  # not for want of a lower waist alone
         zmps.append(body.zmp(q, dt))
         waist = filtered_waist(robot, waist, sequence.zmp, zmps[-1])  # 6: CWTG2
         flat = waist if adaptation is None else raise_waist(robot, sequence, waist, -adaptation.raised)
@@ -110,7 +115,7 @@ def algorithm_1(robot: Robot, obstacle: Obstacle, key: KeyConfiguration, effort:
             break
         adaptation = adapt_feet(robot, obstacle, sequence, flat, ftg, effort.methods)  # 7: FTA
         if not adaptation.clear:
-            raise Infeasible(adaptation.explain(robot, obstacle, sequence, flat))
+            raise adaptation.explain(robot, obstacle, sequence, flat)
         if not adaptation.acted:
             break
         feet, waist = adaptation.feet, raise_waist(robot, sequence, flat, adaptation.raised)
@@ -154,22 +159,28 @@ def _efforts(robot: Robot, arms: str, extras: bool) -> list[Effort]:
 def _first(
     robot: Robot, obstacle: Obstacle, keys: list[KeyConfiguration], efforts: list[Effort], every: int = 1
 ) -> Plan:
-    """The plan for the first effort and key configuration that work; the very first error where none does."""
-    first_error: Infeasible | None = None
+    """The plan for the first effort and key configuration that work; else what the last effort lacks least.
+
+    An adapted leg that still collides came further than one that does not reach.
+    Where a sole is out of reach, a waist that is not lower by as much will not do either, nor with a longer step.
+    """
     search, nearest = robot.feasibility, keys[0]
     for effort in efforts:
+        highest, errors = np.inf, []
         for key in keys:
             longer = (key.x_ads - nearest.x_ads) / (every * search.step_length_more_step)
             lower = (nearest.z_hds - key.z_hds) / (every * search.waist_height_step)
-            if abs(longer - round(longer)) > 1e-6 or abs(lower - round(lower)) > 1e-6:
+            if key.z_hds > highest or abs(longer - round(longer)) > 1e-6 or abs(lower - round(lower)) > 1e-6:
                 continue
             try:
                 return algorithm_1(robot, obstacle, key, effort)
             except Infeasible as error:
-                first_error = first_error or error
+                errors.append(error)
+                if isinstance(error, OutOfReach):
+                    highest = min(highest, key.z_hds - error.short)
                 if error.nearest is not None:
                     raise
-    raise first_error or InvalidInput("there is nothing to try")
+    raise min(errors, key=lambda error: (isinstance(error, OutOfReach), error.short))
 
 
 def _crossable(robot: Robot, obstacle: Obstacle, arms: str, speed_limits: str, extras: bool) -> bool:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -96,14 +95,14 @@ def require(robot: Robot, obstacle: Obstacle, motion: Motion) -> None:
     """
     body, angles = robot.body, motion.q[:, 7:]
     limits = np.minimum(angles - body.lower, body.upper - angles)
-    _refuse(motion, limits, body.joint_names, np.degrees, "degrees beyond its limit")
+    _refuse(motion, limits, body.joint_names, "degrees", "beyond its limit")
     knees = [body.column(knee) - 7 for knee in robot.legs.knee]
     bent = np.abs(angles[:, knees]) - np.radians(robot.verdict.knee_margin_deg)
-    wanted = f"degrees nearer to straight than {robot.verdict.knee_margin_deg:g}"
-    _refuse(motion, bent, list(robot.legs.knee), np.degrees, wanted)
+    wanted = f"nearer to straight than {robot.verdict.knee_margin_deg:g}"
+    _refuse(motion, bent, list(robot.legs.knee), "degrees", wanted)
     margin = zmp_margin(robot, motion.zmp, motion.support, motion.left_foot, motion.right_foot)
     missing = margin[:, None] - robot.verdict.zmp_margin
-    _refuse(motion, missing, ["the ZMP"], lambda x: 1e3 * x, "mm short of its margin to the support polygon's edge")
+    _refuse(motion, missing, ["the ZMP"], "mm", "short of its margin to the support polygon's edge")
     placements = body.placements(motion.q)
     look = np.arange(0, len(motion.time), robot.verdict.self_look_every)
     distance, one, other, sample = self_clearance(robot.own_pairs, placements, look)
@@ -112,16 +111,23 @@ def require(robot: Robot, obstacle: Obstacle, motion: Motion) -> None:
     safe = obstacle.profile(float(motion.obstacle[0]), margins=True)
     free = np.column_stack([separation(shape, placements, safe) for shape in robot.shapes])
     links = [shape.link for shape in robot.shapes]
-    _refuse(motion, free, links, lambda x: 1e3 * x, "mm inside the obstacle's safety margin")
+    _refuse(motion, free, links, "mm", "inside the obstacle's safety margin")
 
 
-def _refuse(motion: Motion, margin: np.ndarray, names: list[str], scale: Callable[[float], float], what: str) -> None:
+UNITS = {"mm": 1e3, "degrees": 180.0 / np.pi}
+"""How margins in m and rad are said."""
+
+
+def _refuse(motion: Motion, margin: np.ndarray, names: list[str], unit: str, what: str) -> None:
     """Raise Infeasible for the most negative margin (N, len(names))."""
     sample, which = np.unravel_index(margin.argmin(), margin.shape)
-    if margin[sample, which] < -1e-9:
-        amount, time = -scale(margin[sample, which]), motion.time[sample]
+    amount = -float(margin[sample, which])
+    if amount > 1e-9:
         where = f"phase {motion.phase[sample]}" if motion.phase[sample] else "walking"
-        raise Infeasible(f"{names[which]} is {amount:.1f} {what} at t = {time:.3f} s ({where})")
+        raise Infeasible(
+            f"{names[which]} is {amount * UNITS[unit]:.1f} {unit} {what} at t = {motion.time[sample]:.3f} s ({where})",
+            short=amount if unit == "mm" else np.inf,
+        )
 
 
 def _rms(error: np.ndarray) -> list[float]:

@@ -119,8 +119,9 @@ def test_without_any_method_it_says_what_remains(robot, high):
     result = adapt_feet(robot, obstacle, sequence, waist, feet, methods=())
     assert not result.clear
     assert not result.acted
-    assert "LLEG_LINK3" in result.explain(robot, obstacle, sequence, waist)
-    assert "mm inside" in result.explain(robot, obstacle, sequence, waist)
+    error = result.explain(robot, obstacle, sequence, waist)
+    assert "LLEG_LINK3" in str(error)
+    assert f"{1e3 * error.short:.1f} mm inside" in str(error)
 
 
 def test_at_25_cm_nothing_goes_without_the_two_units(robot):

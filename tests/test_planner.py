@@ -254,6 +254,15 @@ def test_up_to_15_by_8_cm_everything_crosses(robot, height, width):
     assert found.joint_margin_min >= 0.0
 
 
+@pytest.mark.parametrize(("height", "width"), [(0.2498, 0.05), (0.249, 0.0497), (0.2195, 0.0698), (0.149, 0.129)])
+def test_just_inside_the_corners_of_what_must_cross(robot, height, width):
+    found = measure(robot, crossing(robot, Obstacle(height, width)))
+    assert found.clearance_min >= 0.030
+    assert found.zmp_margin_min >= 0.015
+    assert max(found.zmp_rms) <= 4e-3
+    assert found.joint_margin_min >= 0.0
+
+
 def test_the_distance_is_kept(robot):
     motion = crossing(robot, Obstacle(0.15, 0.05, distance=1.1))
     assert motion.obstacle[0] == pytest.approx(1.1)
@@ -290,6 +299,12 @@ def test_too_near_names_the_distance_that_does(robot):
     motion = crossing(robot, caught.value.nearest)
     assert motion.obstacle[0] == pytest.approx(caught.value.nearest.distance)
     assert "at a distance of" in str(caught.value)
+
+
+def test_the_error_is_what_lacks_least_with_all_that_may_be_used(robot):
+    with pytest.raises(Infeasible, match="FTA finds no way: LLEG_LINK") as caught:
+        plan_in_detail(robot, Obstacle(0.265, 0.05), look_for_nearest=False)
+    assert 0.0 < caught.value.short < 0.04
 
 
 def test_without_looking_for_the_nearest_there_is_none(robot):

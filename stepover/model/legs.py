@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from stepover.errors import Infeasible, InvalidInput
+from stepover.errors import InvalidInput, OutOfReach
 from stepover.model import pose
 from stepover.model.body import Body
 from stepover.model.kinematics import axis_rotation
@@ -91,7 +91,7 @@ class Leg:
             (N, 6) joint angles [rad].
 
         Raises:
-            Infeasible: a target is out of reach; names the joint and, with time, when.
+            OutOfReach: a target is out of reach; names the joint and, with time, when.
         """
         angles, excess = self.attempt(waist, sole)
         worst = int(np.argmax(excess))
@@ -99,8 +99,9 @@ class Leg:
             when = f"sample {worst}" if time is None else f"t = {time[worst]:.3f} s"
             side = "left" if self.side > 0 else "right"
             knee = self.joints[self._knee]
-            raise Infeasible(
-                f"{knee} over-stretches: the {side} sole is {1e3 * excess[worst]:.1f} mm out of reach at {when}"
+            raise OutOfReach(
+                f"{knee} over-stretches: the {side} sole is {1e3 * excess[worst]:.1f} mm out of reach at {when}",
+                short=float(excess[worst]),
             )
         return angles
 

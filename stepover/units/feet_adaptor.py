@@ -14,10 +14,11 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.ndimage import gaussian_filter1d, maximum_filter1d
 
+from stepover.errors import Infeasible
 from stepover.model.obstacle import Obstacle
 from stepover.model.robot import Robot
 from stepover.units.feet_trajectories import FeetTrajectories, clamped_spline
-from stepover.units.leg_check import LegCheck, check_legs, leg_shapes
+from stepover.units.leg_check import LegCheck, LegPosture, check_legs, leg_posture, leg_separation, leg_shapes
 from stepover.units.penetration import ankle_displacements
 from stepover.units.step_sequence import LEG_2, Step, StepSequence
 
@@ -54,7 +55,7 @@ class Adaptation:
         """Whether the adapted feet are free under another waist (N, 7), raised already: then FTA has nothing left."""
         return _is_clear(robot, obstacle, sequence, waist, self.feet)
 
-    def explain(self, robot: Robot, obstacle: Obstacle, sequence: StepSequence, waist: np.ndarray) -> str:
+    def explain(self, robot: Robot, obstacle: Obstacle, sequence: StepSequence, waist: np.ndarray) -> Infeasible:
         """What remains where it is not clear: the link, the depth and when, for a waist (N, 7) not yet raised."""
         step = sequence.step(LEG_2)
         swing = slice(step.lift_off, step.touch_down + 1)
@@ -63,11 +64,12 @@ class Adaptation:
         worst = int(np.argmin(check.separation))
         if check.separation[worst] >= 0.0:
             worst = int(np.argmin(np.where(check.reach > 0.0, -1e3 * check.reach, check.limit)))
-            what = "the trailing leg comes beyond its reach or its joint limits"
-            return f"FTA finds no way: {what} at t = {sequence.time[swing][worst]:.3f} s (phase 3)"
-        link, depth = leg_shapes(robot)[check.shape[worst]].link, -1e3 * check.separation[worst]
-        what = f"{link} stays {depth:.1f} mm inside the obstacle's safety margin"
-        return f"FTA finds no way: {what} at t = {sequence.time[swing][worst]:.3f} s (phase 3)"
+            what, short = "the trailing leg comes beyond its reach or its joint limits", np.inf
+        else:
+            link, short = leg_shapes(robot)[check.shape[worst]].link, float(-check.separation[worst])
+            what = f"{link} stays {1e3 * short:.1f} mm inside the obstacle's safety margin"
+        when = f"t = {sequence.time[swing][worst]:.3f} s (phase 3)"
+        return Infeasible(f"FTA finds no way: {what} at {when}", short=short)
 
 
 METHODS = (1, 2, 3)
@@ -171,11 +173,20 @@ def clearances(
     """Smallest separation (S,) [m] of the legs in phase 3 for each shift of method (1); -inf beyond reach or limits."""
     step = sequence.step(LEG_2)
     every = slice(step.lift_off, step.touch_down + 1, robot.adaptor.look_every)
-    soles = [shift_back(robot, feet, step, shift) for shift in shifts]
-    left, right = (np.concatenate([sole.foot(side)[every] for sole in soles]) for side in (1, -1))
-    check = _check(robot, obstacle, sequence, np.tile(waist[every], (len(shifts), 1)), left, right)
-    able = (check.reach <= 0.0) & (check.limit >= 0.0)
-    return np.where(able, check.separation, -np.inf).reshape(len(shifts), -1).min(axis=1)
+    rectangle, knee_margin = _limits(robot, obstacle, sequence)
+    stance = leg_posture(robot, -step.side, waist[every], feet.foot(-step.side)[every], knee_margin)
+    free = np.full(len(shifts), -np.inf)
+    if not stance.able().all():
+        return free
+    soles = np.concatenate([shift_back(robot, feet, step, shift).foot(step.side)[every] for shift in shifts])
+    swing = leg_posture(robot, step.side, np.tile(waist[every], (len(shifts), 1)), soles, knee_margin)
+    able = swing.able().reshape(len(shifts), -1).all(axis=1)
+    if able.any():
+        rows = np.repeat(able, len(stance.q))
+        reachable = LegPosture(*(part[rows] for part in swing))
+        distance = leg_separation(robot, step.side, reachable, rectangle)[0].reshape(able.sum(), -1).min(axis=1)
+        free[able] = np.minimum(distance, leg_separation(robot, -step.side, stance, rectangle)[0].min())
+    return free
 
 
 def _adaptation(
@@ -216,8 +227,12 @@ def _check(
     robot: Robot, obstacle: Obstacle, sequence: StepSequence, waist: np.ndarray, left: np.ndarray, right: np.ndarray
 ) -> LegCheck:
     """Legs against the obstacle with its margins and the knee's margin of the verdict."""
-    rectangle = obstacle.profile(sequence.front_face, margins=True)
-    return check_legs(robot, waist, left, right, rectangle, np.radians(robot.verdict.knee_margin_deg))
+    return check_legs(robot, waist, left, right, *_limits(robot, obstacle, sequence))
+
+
+def _limits(robot: Robot, obstacle: Obstacle, sequence: StepSequence) -> tuple[np.ndarray, float]:
+    """What must stay free (4,) [m], and how far knees must stay from straight [rad]."""
+    return obstacle.profile(sequence.front_face, margins=True), np.radians(robot.verdict.knee_margin_deg)
 
 
 def _displaced(feet: FeetTrajectories, step: Step, change: np.ndarray) -> FeetTrajectories:

@@ -57,20 +57,52 @@ def check_legs(
         rectangle: x_min, x_max, z_min, z_max (4,) or (N, 4) that must stay free [m].
         knee_margin: how far knees must stay from straight [rad].
     """
-    body = robot.body
-    q = np.tile(robot.half_sitting(), (len(waist), 1))
+    soles = ((1, left), (-1, right))
+    postures = [leg_posture(robot, side, waist, sole, knee_margin) for side, sole in soles]
+    nearest = [
+        leg_separation(robot, side, posture, rectangle) for (side, _), posture in zip(soles, postures, strict=True)
+    ]
+    first, second = (distances for distances, _ in nearest)
+    return LegCheck(
+        reach=np.maximum(*(posture.reach for posture in postures)),
+        limit=np.minimum(*(posture.limit for posture in postures)),
+        separation=np.minimum(first, second),
+        shape=np.where(first <= second, *(shape for _, shape in nearest)),
+    )
+
+
+class LegPosture(NamedTuple):
+    """One leg at N postures: configurations (N, nq) with nothing else set, reach and limit as in LegCheck."""
+
+    q: np.ndarray
+    reach: np.ndarray
+    limit: np.ndarray
+
+    def able(self) -> np.ndarray:
+        """Which postures the leg can take, (N,) bool."""
+        return (self.reach <= 0.0) & (self.limit >= 0.0)
+
+
+def leg_posture(robot: Robot, side: int, waist: np.ndarray, sole: np.ndarray, knee_margin: float) -> LegPosture:
+    """One leg between waists (N, 7) and soles (N, 7): reach, joint limits and the knee's margin [rad]."""
+    body, leg = robot.body, robot.leg(side)
+    q = np.zeros((len(waist), 7 + len(body.joint_names)))
     q[:, :7] = waist
-    reach, limit = np.zeros(len(waist)), np.full(len(waist), np.inf)
-    for side, sole in ((1, left), (-1, right)):
-        leg = robot.leg(side)
-        q[:, leg.columns], excess = leg.attempt(waist, sole)
-        reach = np.maximum(reach, excess)
-        joints = np.array(leg.columns) - 7
-        angles = q[:, leg.columns]
-        margin = np.minimum(angles - body.lower[joints], body.upper[joints] - angles)
-        knees = [k for k, joint in enumerate(leg.joints) if joint in robot.legs.knee]
-        margin[:, knees] = np.minimum(margin[:, knees], np.abs(angles[:, knees]) - knee_margin)
-        limit = np.minimum(limit, margin.min(axis=1))
-    placements = body.placements(q, (*robot.legs.left, *robot.legs.right))
-    distances = np.array([separation(shape, placements, rectangle) for shape in leg_shapes(robot)])
-    return LegCheck(reach, limit, distances.min(axis=0), distances.argmin(axis=0))
+    angles, reach = leg.attempt(waist, sole)
+    q[:, leg.columns] = angles
+    joints = np.array(leg.columns) - 7
+    margin = np.minimum(angles - body.lower[joints], body.upper[joints] - angles)
+    knees = [k for k, joint in enumerate(leg.joints) if joint in robot.legs.knee]
+    margin[:, knees] = np.minimum(margin[:, knees], np.abs(angles[:, knees]) - knee_margin)
+    return LegPosture(q, reach, margin.min(axis=1))
+
+
+def leg_separation(
+    robot: Robot, side: int, posture: LegPosture, rectangle: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Smallest separation (N,) [m] of one leg from a rectangle, and the index (N,) in leg_shapes that has it."""
+    placements = robot.body.placements(posture.q, robot.leg(side).joints)
+    shapes = leg_shapes(robot)
+    own = [k for k, shape in enumerate(shapes) if robot.body.joint_names[shape.joint - 2] in robot.leg(side).joints]
+    distances = np.array([separation(shapes[k], placements, rectangle) for k in own])
+    return distances.min(axis=0), np.array(own)[distances.argmin(axis=0)]
