@@ -26,6 +26,8 @@ from stepover.verdict import require
 
 ZMP_MULTIPLE = 1.2
 """The multi-body ZMP stays within this multiple of epsilon: the cart, which times the shifts, has no turning links."""
+SMALLEST_EPSILON = 1e-5
+"""Below this [m] a crossing takes more than seven minutes, which is nobody's wish but a wrong unit."""
 PHASES = {LEG_1_OVER: 1, TO_FRONT: 2, LEG_2_OVER: 3}
 """Phases of Sec. II of the segments that have one."""
 
@@ -70,7 +72,7 @@ def quasi_static_plan(robot: Robot, obstacle: Obstacle, epsilon: float = 0.001) 
         ZMPs are the same. The key configuration is the one at the beginning of phase 2.
 
     Raises:
-        InvalidInput: epsilon is no positive finite length, or more than keeps the ZMP on the soles.
+        InvalidInput: epsilon is no length from SMALLEST_EPSILON to what keeps the ZMP on the soles.
         Infeasible: names the phase and the condition, (6), (7) or (8), that cannot be met, and the nearest obstacle
             that can be stepped over.
     """
@@ -104,15 +106,20 @@ def quasi_static_crossable(robot: Robot, obstacle: Obstacle) -> bool:
     return True
 
 
-def _check(robot: Robot, epsilon: float) -> None:
-    """Refuse an epsilon that is no length, or with which the ZMP might leave the soles."""
+def largest_epsilon(robot: Robot) -> float:
+    """Largest epsilon [m] that keeps the ZMP on the soles: so near to the edge of the foot the CoM may be."""
     p, (heel, toe) = robot.quasi_static, robot.foot.contact_x
-    largest = min(toe - p.com_ahead, -heel - p.com_behind)
+    return float(min(toe - p.com_ahead, -heel - p.com_behind))
+
+
+def _check(robot: Robot, epsilon: float) -> None:
+    """Refuse an epsilon that is no length, with which the ZMP might leave the soles, or the motion would not end."""
+    largest = largest_epsilon(robot)
     number = isinstance(epsilon, int | float) and not isinstance(epsilon, bool)
-    if not number or not 0.0 < epsilon <= largest:
+    if not number or not SMALLEST_EPSILON <= epsilon <= largest:
         raise InvalidInput(
-            f"epsilon = {epsilon!r} must be a length of more than 0 and at most {largest:.3f} m: "
-            "so near to the edge of the foot the CoM may be"
+            f"epsilon = {epsilon!r} must be a length of {SMALLEST_EPSILON:.5f} to {largest:.3f} m: "
+            "with a larger one the ZMP might leave the soles, with a smaller one the crossing takes many minutes"
         )
 
 

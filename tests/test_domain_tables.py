@@ -61,7 +61,7 @@ def test_conditions_of_the_planned_motion(robot, motion):
 def test_key_postures_and_frontiers(robot, obstacle):
     grid = key_grid(robot, 0.02, 25.0)
     masks = {0.15: key_domain(robot, obstacle, grid), 0.9: np.zeros((len(grid.z_hds), len(grid.x_ads)), bool)}
-    rows = domain_tables.key_postures([grid], [masks], [grid.searched(robot)]).rows
+    rows = domain_tables.key_postures(robot, [grid], [masks]).rows
     assert rows[0][1] == f"{masks[0.15].sum() * 0.0004:.4f}"
     assert rows[1][1:] == ("0.0000", "none")
     heights = {"yaw 0": np.array([0.3, 0.2]), "yaw 25": np.array([0.4, 0.1])}

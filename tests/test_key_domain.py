@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from stepover import Infeasible, InvalidInput, Obstacle
-from stepover.report.key_domain import first_found, frontier, highest_obstacle, key_domain, key_grid
+from stepover.report.key_domain import first_found, frontier, frontiers, highest_obstacle, key_domain, key_grid
 from stepover.units.feasibility import key_configurations
 
 STEP = 0.01
@@ -105,3 +105,13 @@ def test_what_no_step_spans_has_no_height(robot, turned):
 def test_grids_that_are_none_are_refused(robot, options):
     with pytest.raises(InvalidInput, match="leave no grid"):
         key_grid(robot, yaw_deg=0.0, **options)
+
+
+def test_frontiers_are_those_of_each_grid_and_of_its_searched_part(robot, grids):
+    widths = np.array([0.15])
+    found = frontiers(robot, widths, list(grids.values()))
+    names = [f"yaw {yaw}°, {part}" for yaw in (0, 25) for part in ("steps to 1 m", "FU's search")]
+    assert list(found) == names
+    for k, grid in enumerate(grids.values()):
+        assert found[names[2 * k]] == frontier(robot, widths, grid)
+        assert found[names[2 * k + 1]] == frontier(robot, widths, grid, grid.searched(robot))

@@ -15,6 +15,7 @@ FIGURES = {
     "feasibility_domains": {"fig2_feasibility_domains", "feasibility_by_height", "feasibility_unit"},
     "quasi_static_vs_dynamic": {
         "duration_over_epsilon",
+        "strategies_by_height",
         "strategies_from_above",
         "strategies_over_time",
         "strategies_strip",

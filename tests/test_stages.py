@@ -6,7 +6,6 @@ import pytest
 from stepover.model.obstacle import Obstacle
 from stepover.planner import plan_in_detail
 from stepover.report import limits, stages
-from stepover.units.feasibility import key_configurations
 from stepover.units.step_sequence import LEG_1, LEG_2
 
 
@@ -71,13 +70,6 @@ def test_at_25_cm_each_unit_buys_something_and_only_all_of_it_is_enough(robot, h
     assert rows["none"].free < -0.03
     assert rows["(1), (2)"].free > rows["(2)"].free + 0.01
     assert rows["FTA, UBMG"].missing < rows["(1), (2), (3)"].missing
-
-
-def test_the_waists_yaw_allows_larger_obstacles(robot):
-    widths = np.array([0.05, 0.11])
-    straight, turned = (limits.highest_key(robot, widths, yaw, 0.002) for yaw in (0.0, 25.0))
-    assert (turned > straight + 0.004).all()
-    key_configurations(robot, Obstacle(float(turned[0]), 0.05))
 
 
 def test_highest_is_found_by_bisection():

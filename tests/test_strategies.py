@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from stepover.quasi_static import quasi_static_in_detail
-from stepover.report.strategies import compared, highest_quasi_static, moments, paper_marks, spans, strategy
+from stepover.report.strategies import compared, moments, paper_marks, spans, strategy
 from stepover.verdict import measure
 
 
@@ -56,9 +56,3 @@ def test_moments_are_in_their_phases(slow, motion):
         assert (np.diff(at) > 0.0).all()
         samples = np.round(at / one.dt).astype(int)
         assert one.phase[samples].tolist() == [1, 1, 2, 2, 3, 3, 0]
-
-
-def test_the_highest_quasi_static_obstacle_and_what_limits_it(robot):
-    height, why = highest_quasi_static(robot, 0.05, 0.03, 0.02)
-    assert 0.11 < height < 0.14
-    assert "(6)" in why

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from stepover.model.domains import Domains
+from stepover.model.robot import Robot
 from stepover.report.delta_ds import Share
 from stepover.report.double_support import DoubleSupport
 from stepover.report.key_domain import KeyGrid, first_found
@@ -81,16 +82,14 @@ def highest(heights: np.ndarray, swept: Mapping[str, Sequence[Domains]], here: M
                  "which X_ads, for this obstacle [m]", rows)  # fmt: skip
 
 
-def key_postures(
-    grids: Sequence[KeyGrid], domains: Sequence[Mapping[float, np.ndarray]], searched: Sequence[np.ndarray]
-) -> Table:
+def key_postures(robot: Robot, grids: Sequence[KeyGrid], domains: Sequence[Mapping[float, np.ndarray]]) -> Table:
     """FU's domain by the obstacle's height [m], at two yaws: areas, and which posture the search meets first."""
     rows = []
     for height in domains[0]:
         row = [f"{1e2 * height:.0f} cm high"]
-        for grid, masks, where in zip(grids, domains, searched, strict=True):
+        for grid, masks in zip(grids, domains, strict=True):
             cell = (grid.x_ads[1] - grid.x_ads[0]) * (grid.z_hds[1] - grid.z_hds[0])
-            first = first_found(masks[height] & where, grid)
+            first = first_found(masks[height] & grid.searched(robot), grid)
             row += [f"{masks[height].sum() * cell:.4f}", "none" if first is None else "{:.3f}, {:.3f}".format(*first)]
         rows.append(tuple(row))
     names = [f"area, yaw {grid.yaw_deg:.0f}° [m²] | found first: X_ads, Z_hds [m]" for grid in grids]

@@ -6,6 +6,7 @@ obstacle with its margins, X_hds by Eq. (22), over FU's range of X_ads and Z_hds
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -92,7 +93,9 @@ def highest_obstacle(
     tried = np.ones((len(grid.z_hds), len(grid.x_ads)), bool) if where is None else where
     postures = np.array([axis[tried] for axis in np.meshgrid(grid.x_ads, grid.z_hds)])
     lowest, highest = postures.min(axis=1), postures.max(axis=1)
-    if not _good(robot, Obstacle(resolution, width), postures[0], postures[1], grid.yaw_deg).any():
+    good = _good(robot, Obstacle(resolution, width), postures[0], postures[1], grid.yaw_deg)
+    postures = postures[:, good]
+    if postures.size == 0:
         return 0.0
     low, postures = _climb(robot, width, postures, grid.yaw_deg, resolution, robot.leg(1).length, resolution)
     offsets = (grid.x_ads[1] - grid.x_ads[0]) * np.linspace(-1.0, 1.0, FINER)
@@ -105,6 +108,16 @@ def highest_obstacle(
 def frontier(robot: Robot, widths: np.ndarray, grid: KeyGrid, where: np.ndarray | None = None) -> np.ndarray:
     """Heights (W,) [m] of the highest obstacles of some widths (W,) [m], as highest_obstacle has them."""
     return np.array([highest_obstacle(robot, float(width), grid, where) for width in widths])
+
+
+def frontiers(robot: Robot, widths: np.ndarray, grids: Sequence[KeyGrid]) -> dict[str, np.ndarray]:
+    """The frontier (W,) [m] of each grid, by name: first the whole grid's, then that of the part where FU looks."""
+    found = {}
+    for grid in grids:
+        yaw = f"yaw {grid.yaw_deg:.0f}°"
+        found[f"{yaw}, steps to {grid.x_ads[-1]:g} m"] = frontier(robot, widths, grid)
+        found[f"{yaw}, FU's search"] = frontier(robot, widths, grid, grid.searched(robot))
+    return found
 
 
 def _climb(

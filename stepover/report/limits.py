@@ -1,21 +1,17 @@
-"""How high it goes: the highest obstacles with and without a unit, and joint speeds against their limits. Sec. III, IV.
+"""How high it goes: the highest obstacle that is planned, and joint speeds against their limits. Sec. III, IV.
 
 Heights are found by bisection between one that is possible and one that is not.
 """
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass
-
-import numpy as np
 
 from stepover.errors import Infeasible
 from stepover.model.obstacle import Obstacle
 from stepover.model.robot import Robot
 from stepover.planner import plan_in_detail
-from stepover.units.feasibility import key_configurations
 from stepover.verdict import speed_ratio
 
 
@@ -45,18 +41,6 @@ def highest(possible: Callable[[float], bool], low: float, high: float, resoluti
         middle = (low + high) / 2.0
         low, high = (middle, high) if possible(middle) else (low, middle)
     return low
-
-
-def highest_key(robot: Robot, widths: np.ndarray, yaw_deg: float, resolution: float = 0.001) -> np.ndarray:
-    """Highest obstacles (n,) [m] of some widths (n,) over which FU finds a key configuration at a waist yaw [deg]."""
-    turned = dataclasses.replace(robot, feasibility=dataclasses.replace(robot.feasibility, waist_yaw_deg=yaw_deg))
-
-    def highest_at(width: float) -> float:
-        return highest(
-            lambda height: _works(key_configurations, turned, Obstacle(height, width)), 0.01, 0.6, resolution
-        )
-
-    return np.array([highest_at(float(width)) for width in widths])
 
 
 def highest_plan(robot: Robot, width: float, *, arms: str, extras: bool, resolution: float) -> float:

@@ -6,25 +6,18 @@ planner of today still plans what the table was made from.
 
 from __future__ import annotations
 
-import csv
 import dataclasses
-import io
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from stepover import __version__
 from stepover.errors import Infeasible, InvalidInput
 from stepover.model.obstacle import Obstacle
-from stepover.model.robot import Robot, load_robot
-from stepover.motion import write_whole
 from stepover.planner import plan_in_detail
-from stepover.report.reproduce import checkout
-from stepover.report.studies import Row, fingerprint, run_study
+from stepover.report.studies import Row, make_table, read_rows, robot_of, rounded, stored_table
 from stepover.simulation.run import simulate
 from stepover.verdict import measure
 
@@ -110,7 +103,7 @@ def whole_plane() -> list[Point]:
 
 def cross(point: Point) -> Row:
     """Plan one obstacle and, where that works, carry it out: a row for run_study."""
-    robot, obstacle = _robot(point.robot), Obstacle(point.height, point.width)
+    robot, obstacle = robot_of(point.robot), Obstacle(point.height, point.width)
     known = {"robot": robot.name, "version": __version__, "height": point.height, "width": point.width,
              "margin_height": obstacle.margin_height, "margin_width": obstacle.margin_width}  # fmt: skip
     try:
@@ -120,16 +113,16 @@ def cross(point: Point) -> Row:
     found, feet = measure(robot, planned.motion), planned.adaptation
     row = Crossing(
         planned=True, beyond_paper_level=planned.effort.level,
-        arm_swing_deg=_rounded(np.degrees(planned.upper.arm_swing), 2), foot_back=_rounded(feet.shift),
-        waist_raised=_rounded(feet.raised), ankle_pushed=_rounded(feet.pushed), x_ads=_rounded(planned.key.x_ads),
-        z_hds=_rounded(planned.key.z_hds), planned_clearance=_rounded(found.clearance_min),
-        zmp_margin=_rounded(found.zmp_margin_min), joint_speed_ratio=_rounded(found.joint_speed_ratio_max, 3),
+        arm_swing_deg=rounded(np.degrees(planned.upper.arm_swing), 2), foot_back=rounded(feet.shift),
+        waist_raised=rounded(feet.raised), ankle_pushed=rounded(feet.pushed), x_ads=rounded(planned.key.x_ads),
+        z_hds=rounded(planned.key.z_hds), planned_clearance=rounded(found.clearance_min),
+        zmp_margin=rounded(found.zmp_margin_min), joint_speed_ratio=rounded(found.joint_speed_ratio_max, 3),
         motion=planned.motion.hash(), **known,  # type: ignore[arg-type]
     )  # fmt: skip
     if point.physics:
         run = simulate(planned.motion, robot=robot)
         row = dataclasses.replace(
-            row, crossed=run.crossed, simulated_clearance=_rounded(run.clearance_min), reason=run.explanation
+            row, crossed=run.crossed, simulated_clearance=rounded(run.clearance_min), reason=run.explanation
         )
     return dataclasses.asdict(row)
 
@@ -138,37 +131,9 @@ def study(
     points: Sequence[Point] | None = None, table: Path | None = None, build: Path | None = None,
     workers: int | None = None,
 ) -> Path:  # fmt: skip
-    """Run or resume the study, and write its table.
-
-    Args:
-        points: the whole grid unless given.
-        table: where it goes; figures/obstacle_plane.csv unless given.
-        build: folder of the part file; build/ unless given.
-        workers: processes, see run_study.
-
-    Returns:
-        The table's path.
-    """
-    points = whole_plane() if points is None else points
-    table, build = table or stored_table(), build or checkout() / "build"
-    part = build / f"{NAME}-{fingerprint(points[0].robot, __version__)}.part"
-    rows = [Crossing(**row) for row in run_study(points, cross, part, workers=workers, name=NAME)]
-    write_table(rows, table)
-    return table
-
-
-def stored_table() -> Path:
-    """The table in figures/."""
-    return checkout() / "figures" / f"{NAME}.csv"
-
-
-def write_table(rows: Sequence[Crossing], path: Path) -> None:
-    """Write rows as CSV, sorted by height and width, whole or not at all."""
-    text = io.StringIO()
-    lines = csv.DictWriter(text, [field.name for field in dataclasses.fields(Crossing)], lineterminator="\n")
-    lines.writeheader()
-    lines.writerows(dataclasses.asdict(row) for row in sorted(rows, key=lambda row: (row.height, row.width)))
-    write_whole(path, lambda file: file.write(text.getvalue().encode()))
+    """Run or resume the study of the whole plane, or of some points, and write its table: see make_table."""
+    points = sorted(whole_plane() if points is None else points, key=lambda point: (point.height, point.width))
+    return make_table(NAME, points, cross, Crossing, table, build, workers)
 
 
 def read_table(path: Path | None = None) -> list[Crossing]:
@@ -177,16 +142,7 @@ def read_table(path: Path | None = None) -> list[Crossing]:
     Raises:
         InvalidInput: there is no such table, or it is not one of this study.
     """
-    path = path or stored_table()
-    types = {field.name: str(field.type) for field in dataclasses.fields(Crossing)}
-    try:
-        with open(path, newline="") as file:
-            lines = list(csv.DictReader(file))
-        return [Crossing(**{name: _value(types[name], text) for name, text in line.items()}) for line in lines]
-    except OSError as error:
-        raise InvalidInput(f"{path} cannot be read: {error.strerror}; 'make studies' writes it") from error
-    except (KeyError, TypeError, ValueError) as error:
-        raise InvalidInput(f"{path} is not a table of this study ({error}); 'make studies' writes it anew") from error
+    return read_rows(Crossing, path or stored_table(NAME))
 
 
 def at(rows: Sequence[Crossing], height: float, width: float) -> Crossing:
@@ -206,23 +162,3 @@ def again(stored: Crossing, physics: bool = True) -> tuple[Crossing, bool]:
     new = Crossing(**cross(Point(stored.height, stored.width, stored.robot, physics)))
     compared = ["planned", "motion"] + (["crossed", "simulated_clearance"] if physics else [])
     return new, all(getattr(new, name) == getattr(stored, name) for name in compared)
-
-
-@lru_cache(maxsize=2)
-def _robot(name: str) -> Robot:
-    """A robot, loaded once a process."""
-    return load_robot(name)
-
-
-def _rounded(value: float, digits: int = 5) -> float:
-    """A number for the table: hundredths of a millimetre."""
-    return round(float(value), digits)
-
-
-def _value(kind: str, text: str) -> Any:
-    """A cell of the table: nothing for None, True or False, a number, a text."""
-    if text == "" and "None" in kind:
-        return None
-    if "bool" in kind:
-        return {"True": True, "False": False}[text]
-    return int(text) if "int" in kind else float(text) if "float" in kind else text

@@ -6,13 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stepover.errors import Infeasible
-from stepover.model.obstacle import Obstacle
 from stepover.model.robot import Robot
 from stepover.model.support import zmp_margin
 from stepover.motion import Motion
-from stepover.report.limits import highest
-from stepover.units.quasi_static_search import find_way
 
 
 @dataclass(frozen=True)
@@ -98,29 +94,6 @@ def paper_marks(errors: np.ndarray) -> dict[str, tuple[float, float]]:
         ("15 s of double support", 15.0, "double support"), ("4 s, whole motion", 4.0, "whole motion"),
     )  # fmt: skip
     return {name: ((known[span] / duration) ** 2, duration) for name, duration, span in asked}
-
-
-def highest_quasi_static(robot: Robot, width: float, margin: float, resolution: float) -> tuple[float, str]:
-    """Highest obstacle [m] of a width that has a quasi-static way with a margin on all sides, and what limits it.
-
-    Args:
-        robot: the robot.
-        width: of the obstacle [m].
-        margin: above, before and behind it [m].
-        resolution: of the height [m].
-    """
-    reasons = {}
-
-    def possible(height: float) -> bool:
-        try:
-            find_way(robot, Obstacle(height, width, margin, margin))
-        except Infeasible as error:
-            reasons[height] = error.constraint
-            return False
-        return True
-
-    height = highest(possible, 0.02, 0.30, resolution)
-    return height, reasons[min(reasons)] if reasons else ""
 
 
 SHARES = {1: (0.0, 0.55), 2: (0.0, 0.5, 1.0), 3: (0.45, 1.0)}

@@ -3,41 +3,119 @@
 Each finished point is appended to a part file in build/, whose name carries a fingerprint of everything that the
 result depends on: the code of the planner and the physics, and the robot. So a study that is interrupted, or killed,
 goes on where it stopped, and one whose planner has changed begins anew. The table itself is written at the end, whole.
+A row is a frozen dataclass of plain values.
 """
 
 from __future__ import annotations
 
+import csv
+import dataclasses
 import hashlib
+import io
 import json
-import multiprocessing
 import os
+import signal
 import threading
+import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
+from joblib import Parallel, cpu_count, delayed
 from tqdm import tqdm
 
-from stepover.model.robot import data_folder
+from stepover import __version__
+from stepover.errors import InvalidInput
+from stepover.model.robot import Robot, data_folder, load_robot
+from stepover.motion import write_whole
+from stepover.report.reproduce import checkout
 
 Row = dict[str, Any]
 Work = Callable[[Any], Row]
+Kind = TypeVar("Kind")
 
-DEPENDS_ON = ("model", "units", "simulation", "errors.py", "motion.py", "planner.py", "verdict.py")
-"""Code that a result depends on."""
+INDEPENDENT = ("report", "cli.py", "__main__.py")
+"""Code that no result depends on."""
 
 
 def fingerprint(robot: str, *more: object) -> str:
     """Twelve digits that change with the code, the robot's files, or anything else that is named."""
     package = Path(__file__).resolve().parents[1]
-    found = (path for name in DEPENDS_ON for path in ([package / name] if name.endswith(".py")
-                                                      else (package / name).rglob("*.py")))  # fmt: skip
-    files = [*sorted(found), *sorted(path for path in (data_folder() / robot).iterdir() if path.suffix != ".md")]
+    code = [path for path in package.rglob("*.py") if path.relative_to(package).parts[0] not in INDEPENDENT]
+    files = sorted(code) + sorted(path for path in (data_folder() / robot).iterdir() if path.suffix != ".md")
     digest = hashlib.sha256(repr(more).encode())
     for path in files:
         digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
     return digest.hexdigest()[:12]
+
+
+def make_table(
+    name: str, points: Sequence[Any], work: Work, kind: type[Any], table: Path | None = None,
+    build: Path | None = None, workers: int | None = None, more: Sequence[object] = (),
+) -> Path:  # fmt: skip
+    """Run or resume a study, and write its table.
+
+    Args:
+        name: of the study.
+        points: each with the name of its robot.
+        work: see run_study.
+        kind: dataclass of a row.
+        table: where it goes; figures/ unless given.
+        build: folder of the part file; build/ unless given.
+        workers: processes, see run_study.
+        more: what else the part file's name carries in its fingerprint, beside robot, code and version.
+
+    Returns:
+        The table's path.
+    """
+    part = (build or checkout() / "build") / f"{name}-{fingerprint(points[0].robot, __version__, *more)}.part"
+    rows = run_study(points, work, part, workers=workers, name=name)
+    table = table or stored_table(name)
+    write_rows([kind(**row) for row in rows], table)
+    return table
+
+
+def stored_table(name: str) -> Path:
+    """The table of a study in figures/."""
+    return checkout() / "figures" / f"{name}.csv"
+
+
+def write_rows(rows: Sequence[Any], path: Path) -> None:
+    """Write rows, all of one dataclass, as CSV, whole or not at all."""
+    text = io.StringIO()
+    lines = csv.DictWriter(text, [field.name for field in dataclasses.fields(rows[0])], lineterminator="\n")
+    lines.writeheader()
+    lines.writerows(dataclasses.asdict(row) for row in rows)
+    write_whole(path, lambda file: file.write(text.getvalue().encode()))
+
+
+def read_rows(kind: type[Kind], path: Path) -> list[Kind]:
+    """Rows of a table.
+
+    Raises:
+        InvalidInput: there is no such table, or it is not one of this kind.
+    """
+    types = {field.name: str(field.type) for field in dataclasses.fields(kind)}  # type: ignore[arg-type]
+    try:
+        with open(path, newline="") as file:
+            lines = list(csv.DictReader(file))
+        return [kind(**{name: _value(types[name], text) for name, text in line.items()}) for line in lines]
+    except OSError as error:
+        raise InvalidInput(f"{path} cannot be read: {error.strerror}; 'make studies' writes it") from error
+    except (KeyError, TypeError, ValueError) as error:
+        raise InvalidInput(f"{path} is not a table of this study ({error}); 'make studies' writes it anew") from error
+
+
+@lru_cache(maxsize=2)
+def robot_of(name: str) -> Robot:
+    """A robot, loaded once a process."""
+    return load_robot(name)
+
+
+def rounded(value: float, digits: int = 5) -> float:
+    """A number for a table: hundredths of a millimetre."""
+    return round(float(value), digits)
 
 
 def run_study(
@@ -69,29 +147,28 @@ def run_study(
 
 
 def _computed(points: Sequence[Any], work: Work, workers: int | None) -> Iterator[tuple[Any, Row]]:
-    """Points with their rows, as they are finished."""
-    if workers == 1 or len(points) < 2:
-        yield from ((point, work(point)) for point in points)
-        return
-    context = multiprocessing.get_context("spawn")
-    count = min(len(points), workers or os.cpu_count() or 1)
-    with ProcessPoolExecutor(count, mp_context=context, initializer=_end_with_parent) as pool:
-        waiting = {pool.submit(work, point): point for point in points}
-        try:
-            for future in as_completed(waiting):
-                yield waiting[future], future.result()
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
+    """Points with their rows, as they are finished; each one goes alone to a process, so that none waits for others."""
+    count = min(len(points), workers or cpu_count())
+    if count > 0:
+        pool = Parallel(
+            count, return_as="generator_unordered", batch_size=1, max_nbytes=None, initializer=_serve,
+            initargs=(os.getpid(),),
+        )  # fmt: skip
+        yield from pool(delayed(_with_row)(work, point) for point in points)
 
 
-def _end_with_parent() -> None:
-    """Let a worker end when its parent does, even one that is killed."""
-    parent = multiprocessing.parent_process()
-    assert parent is not None
+def _with_row(work: Work, point: Any) -> tuple[Any, Row]:
+    """A point and its row."""
+    return point, work(point)
+
+
+def _serve(parent: int) -> None:
+    """Let a process leave Ctrl-C to its parent, and end when the parent does, even one that is killed."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
     def watch() -> None:
-        parent.join()
+        while os.getppid() == parent:
+            time.sleep(0.5)
         os._exit(1)
 
     threading.Thread(target=watch, daemon=True).start()
@@ -108,6 +185,15 @@ def _read_part(part: Path) -> dict[str, Row]:
     return dict(json.loads(line) for line in whole.splitlines())
 
 
+def _value(kind: str, text: str) -> Any:
+    """A cell of a table: nothing for None, True or False, a number, a text."""
+    if text == "" and "None" in kind:
+        return None
+    if "bool" in kind:
+        return {"True": True, "False": False}[text]
+    return int(text) if "int" in kind else float(text) if "float" in kind else text
+
+
 def run_all(studies: Iterable[Callable[[], Path]]) -> None:
     """Run studies one after the other, and name the tables that they wrote."""
     for study in studies:
@@ -116,5 +202,7 @@ def run_all(studies: Iterable[Callable[[], Path]]) -> None:
 
 if __name__ == "__main__":
     from stepover.report.plane import study as obstacle_plane
+    from stepover.report.robustness import study as robustness
+    from stepover.report.strategy_study import study as strategies
 
-    run_all([obstacle_plane])
+    run_all([obstacle_plane, strategies, robustness])

@@ -25,6 +25,8 @@ from stepover.units.quasi_static_way import LEG_1_OVER, LEG_2_OVER, SWINGS, TO_F
 
 CONDITIONS = {LEG_1_OVER: (1, 6), TO_FRONT: (2, 7), LEG_2_OVER: (3, 8)}
 """Phase of Sec. II and condition of Sec. II-A that each segment over the obstacle is under."""
+LIMIT_SPARE = 0.01
+"""Further from a joint's limit than asked for, since a joint may come nearer to it between the looks [rad]."""
 
 
 class Grid(NamedTuple):
@@ -48,7 +50,8 @@ def find_way(robot: Robot, obstacle: Obstacle) -> Way:
             return _way_with(robot, obstacle, float(share))
         except Infeasible as error:
             reason = error.constraint
-    raise Infeasible(reason)
+    above, beside = 1e3 * obstacle.margin_height, 1e3 * obstacle.margin_width
+    raise Infeasible(f"quasi-static, with margins of {above:g} mm above and {beside:g} mm beside: {reason}")
 
 
 def _way_with(robot: Robot, obstacle: Obstacle, share: float) -> Way:
@@ -81,9 +84,7 @@ def _ends(robot: Robot, obstacle: Obstacle, share: float) -> Iterator[Way]:
     best = np.minimum(*(free.max(axis=2) for free in room))
     order = np.argsort(-best, axis=None, kind="stable")[: p.tries]
     if not np.isfinite(best.ravel()[order[0]]):
-        raise Infeasible(
-            "quasi-static: phase 2, (6) and (8): each has its postures, but no step length and place has both"
-        )
+        raise Infeasible("phase 2, (6) and (8): each has its postures, but no step length and place has both")
     for which in order:
         step, place = np.unravel_index(which, best.shape)
         if np.isfinite(best[step, place]):
@@ -108,7 +109,7 @@ def _grid(robot: Robot, obstacle: Obstacle) -> Grid:
         place = "" if obstacle.distance is None else f" at a distance of {obstacle.distance:.3f} m"
         wanted = f"; its front face may be {nearest:.3f} to {farthest:.3f} m ahead" if farthest > nearest else ""
         raise Infeasible(
-            f"quasi-static: phase 1, (6): no step of up to {fu.step_length_max:.3f} m takes the obstacle{place} "
+            f"phase 1, (6): no step of up to {fu.step_length_max:.3f} m takes the obstacle{place} "
             f"between the feet{wanted}"
         )
     return Grid(steps, faces, heights, np.repeat(valid[:, :, None], len(heights), axis=2))
@@ -159,23 +160,24 @@ def _first_free(robot: Robot, obstacle: Obstacle, ways: list[Way], segment: int)
     share = np.linspace(0.0, 1.0, p.look)
     wanted = joined([targets(robot, obstacle, way, segment, share) for way in ways])
     check = _checked(robot, obstacle, wanted, np.repeat([way.front_face for way in ways], p.look))
-    good = check.good(p.spare).reshape(len(ways), -1).all(axis=1)
+    free = check.good(p.spare) & (check.limit >= LIMIT_SPARE)
+    good = free.reshape(len(ways), -1).all(axis=1)
     if good.any():
         return ways[int(good.argmax())], ""
-    able = (check.reach <= 0.0) & (check.limit >= 0.0)
+    able = (check.reach <= 0.0) & (check.limit >= LIMIT_SPARE)
     room = np.where(able, check.separation, -1.0 - check.reach).reshape(len(ways), -1).min(axis=1)
     part = slice(int(room.argmax()) * p.look, (int(room.argmax()) + 1) * p.look)
     phase, condition = CONDITIONS[segment]
     what = _worst(robot, LegCheck(*(values[part] for values in check)))
-    return None, f"quasi-static: phase {phase}, ({condition}): on the way {what}"
+    return None, f"phase {phase}, ({condition}): on the way {what}"
 
 
 def _worst(robot: Robot, check: LegCheck) -> str:
     """What is worst along a way."""
     if check.reach.max() > 0.0:
         return f"a sole is {1e3 * check.reach.max():.1f} mm out of reach"
-    if check.limit.min() < 0.0:
-        return f"a leg joint is {-np.degrees(check.limit.min()):.1f} degrees beyond its limit or margin"
+    if check.limit.min() < LIMIT_SPARE:
+        return f"a leg joint is {np.degrees(LIMIT_SPARE - check.limit.min()):.1f} degrees beyond its limit or margin"
     worst = int(check.separation.argmin())
     return f"{leg_shapes(robot)[check.shape[worst]].link} is {_inside(robot, check, worst)}"
 
@@ -192,11 +194,11 @@ def _why_no_end(robot: Robot, grid: Grid, check: LegCheck, condition: int) -> st
     foot = "rear" if condition == 6 else "front"
     able = (check.reach <= 0.0) & (check.limit >= 0.0) & grid.valid.ravel()
     if not able.any():
-        return f"quasi-static: {end}, ({condition}): with the CoM over the {foot} foot the legs do not reach"
+        return f"{end}, ({condition}): with the CoM over the {foot} foot the legs do not reach"
     best = int(np.argmax(np.where(able, check.separation, -np.inf)))
     step, _, height = np.unravel_index(best, grid.valid.shape)
     link = leg_shapes(robot)[check.shape[best]].link
     return (
-        f"quasi-static: {end}, ({condition}): with the CoM over the {foot} foot, at the best posture "
+        f"{end}, ({condition}): with the CoM over the {foot} foot, at the best posture "
         f"(X_ads {grid.steps[step]:.3f} m, Z_hds {grid.heights[height]:.3f} m), {link} is {_inside(robot, check, best)}"
     )

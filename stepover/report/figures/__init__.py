@@ -5,8 +5,14 @@ from stepover.report.figures.feasibility import areas_by_height, domains_overlai
 from stepover.report.figures.limits import clearance_bought, highest_with_and_without_yaw, obstacle_plane
 from stepover.report.figures.planned import lateral_direction, preview_forms, walking_direction
 from stepover.report.figures.posture import key_configuration
+from stepover.report.figures.robustness import robustness
 from stepover.report.figures.simulated import clearance, contact_forces, failure, planned_and_simulated, strip
-from stepover.report.figures.strategies import duration_over_epsilon, ways_from_above, ways_over_time
+from stepover.report.figures.strategies import (
+    duration_over_epsilon,
+    strategies_by_height,
+    ways_from_above,
+    ways_over_time,
+)
 from stepover.report.figures.style import save
 
 __all__ = [
@@ -27,8 +33,10 @@ __all__ = [
     "obstacle_plane",
     "planned_and_simulated",
     "preview_forms",
+    "robustness",
     "save",
     "stick_diagram",
+    "strategies_by_height",
     "strip",
     "walking_direction",
     "ways_from_above",

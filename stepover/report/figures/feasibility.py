@@ -175,8 +175,8 @@ def _draw_biped(axis: Axes, robot: Robot, obstacle: Obstacle, key: KeyConfigurat
     axis.fill([x_min, x_min, x_max, x_max], [0.0, top, top, 0.0], color=OBSTACLE, alpha=0.8)
     corners = [(x_min, 0.0), (x_min, top), (x_max, top), (x_max, 0.0)]
     for number, (x, z) in enumerate(corners, start=1):
-        side, edge = "right" if x == x_min else "left", "top" if z == 0.0 else "center"
-        axis.text(x, z - (0.025 if z == 0.0 else 0.0), f"$o_{number}$", ha=side, va=edge, fontsize=8)
+        side = "right" if x == x_min else "left"
+        axis.text(x, z - 0.02, f"$o_{number}$", ha=side, va="top", fontsize=8)
     for start, hip, colour in ((0.0, key.x_hds, LEFT), (key.x_ads, key.x_hds - key.x_ads, PLANNED)):
         lines = leg_lines(biped, planar_leg(biped, np.asarray(hip), np.asarray(key.z_hds)))
         links, *outline = (line + np.array([start, 0.0]) for line in lines)
@@ -196,7 +196,9 @@ def _draw_biped(axis: Axes, robot: Robot, obstacle: Obstacle, key: KeyConfigurat
             axis.annotate(f"${name}$", point, shift, textcoords="offset points", fontsize=8, ha=side,
                           va="center" if shift[0] else "bottom")  # fmt: skip
         for number, middle in zip((1, 2) if rear else (4, 3), (links[:-1] + links[1:]) / 2.0, strict=True):
-            axis.annotate(f"$l_{number}$", middle, (3, -4), textcoords="offset points", fontsize=8)
-    axis.plot([-0.25, 0.75], [0.0, 0.0], color=REFERENCE, lw=0.8)
+            axis.annotate(
+                f"$l_{number}$", middle, (5, 2) if number == 3 else (3, -4), textcoords="offset points", fontsize=8
+            )
+    axis.plot([-0.22, 0.72], [0.0, 0.0], color=REFERENCE, lw=0.8)
     axis.set_aspect("equal")
-    axis.set(xlim=(-0.25, 0.75), ylim=(-0.1, 0.76), xlabel="x [m]", ylabel="z [m]")
+    axis.set(xlim=(-0.22, 0.72), ylim=(-0.11, 0.77), xlabel="x [m]", ylabel="z [m]")

@@ -112,7 +112,7 @@ def strip(frames: Sequence[np.ndarray], times: np.ndarray, columns: int = 5) -> 
         axis.set_axis_off()
     for axis, frame, time in zip(axes.ravel(), frames, times, strict=False):
         axis.imshow(frame)
-        axis.text(0.03, 0.96, f"{time:.2f} s", transform=axis.transAxes, va="top", fontsize=9)
+        axis.text(0.03, 0.96, f"{time:.2f} s", transform=axis.transAxes, va="top", fontsize=9 if columns < 7 else 7.5)
     return figure
 
 

@@ -1,8 +1,8 @@
-"""Quasi-static against dynamic: the ways of CoM and ZMP from above and over time, and the duration over epsilon."""
+"""Quasi-static against dynamic: ways of CoM and ZMP, the duration over epsilon, and how high each strategy reaches."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -27,6 +27,7 @@ from stepover.report.figures.style import (
     panels,
     styled,
 )
+from stepover.report.strategy_study import Crossed
 
 COM, ZMP = FIRST_STAGE, PLANNED
 AROUND = 0.35
@@ -36,7 +37,7 @@ AROUND = 0.35
 @styled
 def ways_from_above(robot: Robot, motions: Mapping[str, Motion]) -> Figure:
     """Soles, obstacle, CoM and ZMP from above, a panel each motion; x from the rear ankle before the obstacle."""
-    figure, axes = panels(len(motions), 2.35 * len(motions) + 0.3, sharex=True)
+    figure, axes = panels(len(motions), 2.75 * len(motions) + 0.3, sharex=True)
     for axis, motion in zip(axes[:, 0], motions.values(), strict=True):
         first, between, second = (motion.samples(phase) for phase in (1, 2, 3))
         origin = _rear_ankle(motion)
@@ -56,7 +57,7 @@ def ways_from_above(robot: Robot, motions: Mapping[str, Motion]) -> Figure:
             look = {"ms": 4.0} if filled else {"ms": 9.0, "mfc": "none", "mew": 1.1}
             place = motion.com[sample, :2] - [origin, 0.0]
             axis.plot(*place, color=REFERENCE, marker=marker, ls="", label=name, zorder=5, **look)
-        axis.set(ylabel="y [m]", ylim=(-0.20, 0.20), xlim=(-AROUND, motion.key_configuration[0] + 2.0 * AROUND))
+        axis.set(ylabel="y [m]", ylim=(-0.20, 0.20), xlim=(-AROUND, motion.key_configuration[0] + AROUND))
         axis.set_aspect("equal")
         axis.grid(visible=False)
     axes[-1, 0].set_xlabel("x from the rear ankle [m]")
@@ -89,10 +90,10 @@ def ways_over_time(robot: Robot, motions: Mapping[str, Motion]) -> Figure:
         axis.set_ylim(-0.35, motion.key_configuration[0] + 0.45)
         _shade(axis, motion, time)
         axis.set_ylabel("x from the rear ankle [m]" if column == 0 else "")
-        axis.legend(loc="upper left")
         shown = (time >= -0.35 * lasting) & (time <= 1.35 * lasting)
         apart = 1e3 * np.linalg.norm(motion.zmp - motion.com[:, :2], axis=1)
         below.plot(time[shown], np.maximum(apart[shown], 1e-3), color=shades[column % 2], label=name)
+    grid[0, 0].legend(loc="upper left")
     below.set(yscale="log", xlabel="time [s]", ylabel="ZMP from CoM [mm]", ylim=(2e-2, 1e3))
     below.legend(loc="upper right", ncols=count)
     numbered(np.array([*grid[0], below]), [*motions, "distance of the ZMP from the CoM's projection, on one scale"])
@@ -104,30 +105,67 @@ def duration_over_epsilon(
     epsilons: np.ndarray,
     durations: Mapping[str, np.ndarray],
     marks: Mapping[str, tuple[float, float]],
-    chosen: float,
+    rows: Sequence[Crossed],
+    largest: float,
 ) -> Figure:
-    """Durations (n,) [s] over epsilon (n,) [m], and the paper's numbers where they meet a curve.
+    """Durations over epsilon, the paper's numbers where they meet a curve, and what crossed in the physics.
 
     Args:
         epsilons: (n,) [m].
-        durations: curves (n,) [s] by name.
+        durations: curves (n,) [s] by name: whole motion, lift-off to landing, double support.
         marks: epsilon [m] and duration [s] by name.
-        chosen: epsilon of the motion that is shown [m].
+        rows: crossings of this obstacle.
+        largest: epsilon beyond which nothing is planned, since the ZMP may leave the soles [m].
     """
     figure, axes = panels(1, 3.4)
     axis = axes[0, 0]
-    for (name, curve), colour in zip(durations.items(), (PLANNED, SIMULATED, WAIST, FIRST_STAGE), strict=False):
+    crossed = [row for row in rows if row.crossed and row.epsilon is not None]
+    measured = [(row.epsilon, time) for row in crossed for time in (row.duration, row.over, row.double_support)]
+    for (name, curve), colour in zip(durations.items(), (PLANNED, SIMULATED, WAIST), strict=True):
         axis.plot(1e3 * epsilons, curve, color=colour, label=name)
-    axis.axvline(1e3 * chosen, color=REFERENCE, ls="--", lw=0.9, label="the motion shown here")
-    for (name, (epsilon, duration)), marker in zip(marks.items(), "osD^v", strict=False):
-        label = f"{name}: {1e3 * epsilon:.3g} mm"
-        axis.plot(1e3 * epsilon, duration, color=REFERENCE, marker=marker, ms=5.5, ls="", label=label, zorder=5)
+    axis.plot(*(np.array(measured, float).reshape(-1, 2) * [1e3, 1.0]).T, color=REFERENCE, marker="o", ms=4.5,
+              mfc="white", ls="", label="crossed in the physics")  # fmt: skip
+    axis.axvspan(
+        1e3 * largest, 1e3 * epsilons[-1], color=OBSTACLE, alpha=0.15, lw=0, label="the ZMP may leave the soles"
+    )
+    for (name, (epsilon, duration)), marker in zip(marks.items(), "*sD^", strict=True):
+        size, label = (9.0 if marker == "*" else 5.5), f"{name}: {1e3 * epsilon:.{2 if epsilon < 0.01 else 0}f} mm"
+        axis.plot(1e3 * epsilon, duration, color=REFERENCE, marker=marker, ms=size, ls="", label=label, zorder=5)
     axis.set(xscale="log", yscale="log", xlabel="epsilon, ZMP from CoM at most [mm]", ylabel="duration [s]")
+    axis.set(xlim=(0.9e3 * epsilons[0], 1e3 * epsilons[-1]))
     ticks = [tick for tick in (0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0) if tick <= 1.2e3 * epsilons.max()]
     axis.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
     axis.set_yticks([1, 2, 4, 10, 20, 40, 60], ["1", "2", "4", "10", "20", "40", "60"])
     axis.minorticks_off()
     axis.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0))
+    return figure
+
+
+@styled
+def strategies_by_height(lines: Mapping[str, Sequence[Crossed]]) -> Figure:
+    """Clearance and knee torque in the physics by the obstacle's height; a cross where nothing crosses."""
+    figure, axes = panels(1, 3.1, columns=2)
+    distance, torque = axes[0]
+    for (name, rows), colour, marker in zip(lines.items(), (SIMULATED, WAIST), "os", strict=True):
+        good = [row for row in rows if row.crossed]
+        heights = 1e2 * np.array([row.height for row in good])
+        planned, measured = (
+            1e3 * np.array([getattr(row, key) for row in good], float)
+            for key in ("planned_clearance", "simulated_clearance")
+        )
+        distance.plot(heights, planned, color=colour, ls="--", lw=1.0, label=f"{name}, planned")
+        distance.plot(heights, measured, color=colour, marker=marker, ms=3.5, label=f"{name}, in the physics")
+        torque.plot(heights, [row.knee_torque for row in good], color=colour, marker=marker, ms=3.5)
+        failed = 1e2 * np.array([row.height for row in rows if not row.crossed])
+        distance.plot(failed, np.full(len(failed), 1.5 if marker == "o" else 4.0), color=colour, marker="x", ms=4.5,
+                      ls="", label=f"{name}: refused")  # fmt: skip
+    distance.set(ylabel="distance from obstacle [mm]", ylim=(0.0, 62.0))
+    torque.set(ylabel="largest knee torque [N m]", ylim=(0.0, None))
+    for axis in axes[0]:
+        axis.set(xlabel="height of the bare obstacle [cm]")
+        axis.margins(x=0.03)
+    figure.legend(*distance.get_legend_handles_labels(), loc="outside lower center", ncols=2, columnspacing=4.0)
+    numbered(axes, ["clearance", "knees"])
     return figure
 
 
@@ -149,5 +187,5 @@ def _shade(axis: Axes, motion: Motion, time: np.ndarray) -> None:
     for phase, colour in PHASES.items():
         samples = motion.samples(phase)
         start, end = time[samples.start], time[samples.stop]
-        axis.axvspan(start, end, color=colour, alpha=0.16, lw=0, zorder=0)
+        axis.axvspan(start, end, color=colour, alpha=0.06 if phase == 2 else 0.16, lw=0, zorder=0)
         axis.text((start + end) / 2.0, -0.33, str(phase), ha="center", va="bottom", fontsize=8.5)
