@@ -1,4 +1,4 @@
-"""The command line: plan, simulate, reproduce. What each one prints, and with which exit code it ends.
+"""The command line: plan, simulate, study, view, reproduce. What each one prints, and with which exit code it ends.
 
 Exit codes: 0 done; 2 bad input; 3 an obstacle that cannot be crossed; 4 the simulated robot fell or touched the
 obstacle; 130 interrupted. An error is one line on stderr. With --json, stdout is exactly one JSON object.
@@ -78,6 +78,20 @@ def _new_film(context: click.Context, parameter: click.Parameter, value: str | N
     return _new_file(context, parameter, value)
 
 
+def _new_page(context: click.Context, parameter: click.Parameter, value: str | None) -> Path | None:
+    """As _new_file, for a page that a browser takes for one."""
+    if value is not None and Path(value).suffix != ".html":
+        raise InvalidInput(f"--{parameter.name} {value}: a page's name must end in .html")
+    return _new_file(context, parameter, value)
+
+
+def _new_picture(context: click.Context, parameter: click.Parameter, value: str | None) -> Path | None:
+    """As _new_file, for a PNG."""
+    if value is not None and Path(value).suffix != ".png":
+        raise InvalidInput(f"--{parameter.name} {value}: a picture's name must end in .png")
+    return _new_file(context, parameter, value)
+
+
 def _pairs(context: click.Context, parameter: click.Parameter, values: tuple[str, ...]) -> dict[str, str]:
     """Split name=value pairs, and refuse what is none or comes twice."""
     pairs: dict[str, str] = {}
@@ -152,18 +166,29 @@ def plan(
     click.echo(summary.as_line(result) if as_json else f"{summary.plan_summary(result)}\n\nwritten to {output}")
 
 
-@main.command()
+class _Disturbed(click.Command):
+    """A command whose help ends with all disturbances."""
+
+    def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write them as a list, with units and ranges."""
+        from stepover.simulation.disturbances import explained
+
+        with formatter.section("Disturbances, for --perturb"):
+            formatter.write_dl(explained())
+
+
+@main.command(cls=_Disturbed)
 @click.argument("motion", metavar="MOTION.npz")
 @click.option(
     "--actuators", type=click.Choice(["ideal", "limited"]), default="ideal", show_default=True,
-    help="Position-controlled motors without limits, as in the paper, or with limits.",
+    help="Position-controlled motors without limits, as in the paper, or servos with limits of torque and speed.",
 )  # fmt: skip
 @click.option(
     "--sole", type=click.Choice(["rigid", "compliant"]), default="rigid", show_default=True,
-    help="Rigid soles, or soles on rubber.",
+    help="Rigid soles, or rubber between ankle and sole.",
 )  # fmt: skip
-@click.option("--stabilizer/--no-stabilizer", default=False, show_default=True, help="Feedback on the measured ZMP.")
-@click.option("--perturb", multiple=True, metavar="NAME=VALUE", callback=_pairs, help="A disturbance; may be repeated.")
+@click.option("--stabilizer/--no-stabilizer", default=False, show_default=True, help="Feedback from the sensors.")
+@click.option("--perturb", multiple=True, metavar="NAME=VALUE", callback=_pairs, help="A disturbance, as listed below.")
 @click.option("--video", metavar="FILE", callback=_new_film, help="Film it from the side (mp4).")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object (SI units) instead of the summary.")
 def simulate(
@@ -236,6 +261,109 @@ def _plot_failure(run: Run, beside: Path) -> str:
     path = folder / f"{beside.stem}_failure.png"
     figures.save(figures.failure(load_robot(run.motion.robot), run), path)
     return f"the second before it is drawn in {path}"
+
+
+@main.command()
+@click.argument("motion", metavar="MOTION.npz")
+@click.option("--output", required=True, metavar="FILE", callback=_new_page, help="Where the page goes (html).")
+@click.option("--time", type=float, help="Moment shown before it is played [s]; default: the first.")
+def view(motion: str, output: Path, time: float | None) -> None:
+    """Write a page that shows a planned motion in 3-D, to be opened in any browser, offline.
+
+    It holds the robot, the obstacle with its margins, the footsteps and the ways of ZMP and CoM, to be turned with the
+    mouse, played, paused and scrubbed.
+
+    Example: python -m stepover view motion.npz --output motion.html
+    """
+    from stepover.model.robot import load_robot
+    from stepover.motion import Motion
+    from stepover.report.viewer import save_page
+
+    planned = Motion.load(motion)
+    save_page(load_robot(planned.robot), planned, output, time)
+    click.echo(f"written to {output}; open it in a browser")
+
+
+@main.command()
+@click.argument("motion", metavar="[MOTION.npz]", required=False)
+@click.option("--height", type=float, help="Instead of a motion: height of the bare obstacle to plan for [m].")
+@click.option("--width", type=float, help="Its width, along the way [m].")
+@click.option(
+    "--runs", type=click.IntRange(1), default=200, show_default=True,
+    help="Draws; each is simulated twice, without and with the stabilizer.",
+)  # fmt: skip
+@click.option(
+    "--seed", type=click.IntRange(0), default=0, show_default=True,
+    help="Of the draws. Draw k depends on the seed and on k alone.",
+)  # fmt: skip
+@click.option(
+    "--actuators", type=click.Choice(["ideal", "limited"]), default="limited", show_default=True,
+    help="As for simulate.",
+)  # fmt: skip
+@click.option(
+    "--sole", type=click.Choice(["rigid", "compliant"]), default="compliant", show_default=True,
+    help="As for simulate.",
+)  # fmt: skip
+@click.option("--jobs", type=click.IntRange(1), help="Simulations at a time; default: one a core.")
+@click.option("--output", required=True, metavar="FILE", callback=_new_file, help="Where the table goes (csv).")
+@click.option("--picture", metavar="FILE", callback=_new_picture, help="Also draw success over disturbance (png).")
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object (SI units) instead of the summary.")
+def study(
+    motion: str | None,
+    height: float | None,
+    width: float | None,
+    runs: int,
+    seed: int,
+    actuators: str,
+    sole: str,
+    jobs: int | None,
+    output: Path,
+    picture: Path | None,
+    as_json: bool,
+) -> None:
+    """Carry out a motion under many disturbances drawn at random, with and without the stabilizer.
+
+    Each draw is uniform: friction 0.4 to 1; the floor up to 5 mm higher or lower under each foothold, and sloped by up
+    to 1 degree ahead and to the side; 5 % more or less mass on the chest, whose CoM is up to 10 mm off; the obstacle up
+    to 20 mm nearer or farther; one push of up to 80 N for 0.1 s at any time in any direction; readings 5 to 10 ms old.
+
+    Finished simulations are kept beside the output in a .part file. Where the study was interrupted or killed, or
+    --runs has grown, the same command goes on from there. The table does not depend on interruptions or --jobs.
+    Its columns are named as the disturbances of simulate --perturb, to look at one draw alone.
+
+    Example: python -m stepover study motion.npz --runs 50 --output table.csv --picture table.png
+    """
+    # Before numpy is loaded: one thread a process, so that sums come out the same with any number of jobs.
+    for threads in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
+        os.environ.setdefault(threads, "1")
+    from stepover.motion import Motion
+    from stepover.report import robustness, success_rates, summary
+
+    if motion is not None and (height is not None or width is not None):
+        raise InvalidInput("give either a motion or --height and --width, not both")
+    if motion is not None:
+        planned = Motion.load(motion)
+    elif height is not None and width is not None:
+        from stepover import Obstacle, load_robot, plan
+
+        planned = plan(load_robot("hrp2"), Obstacle(height, width))
+    else:
+        raise InvalidInput("give a motion, such as motion.npz, or --height and --width")
+    try:
+        robustness.study(
+            planned, runs, seed, actuators=actuators, sole=sole, table=output, build=output.parent, workers=jobs
+        )
+    except KeyboardInterrupt:
+        _complain(f"interrupted; what is finished is kept beside {output}: the same command goes on", INTERRUPTED)
+    rows = robustness.read_table(output)
+    if picture is not None:
+        from stepover.report import figures
+
+        figures.save(figures.robustness(rows), picture)
+    if as_json:
+        click.echo(summary.as_line(success_rates.study_to_json(rows)))
+    else:
+        click.echo(f"{summary.aligned(success_rates.study_summary(rows))}\n\nwritten to {output}")
 
 
 @main.command()

@@ -14,7 +14,7 @@ from stepover.model.robot import Robot
 from stepover.motion import FORMAT, Motion, obstacle_row
 from stepover.nearest import nearest_crossable
 from stepover.planned import Effort, Plan
-from stepover.units.beyond_paper import extra_shape, extra_zmp
+from stepover.units.beyond_paper import extra_shape, extra_zmp, waist_delay
 from stepover.units.com_waist import com_and_waist
 from stepover.units.dynamic_filter import filtered_waist
 from stepover.units.feasibility import KeyConfiguration, key_configurations
@@ -22,7 +22,7 @@ from stepover.units.feet_adaptor import adapt_feet, raise_waist
 from stepover.units.feet_trajectories import FeetTrajectories, feet_trajectories
 from stepover.units.step_sequence import StepSequence, step_sequence
 from stepover.units.upper_body import moved, upper_body
-from stepover.verdict import require, speed_ratio
+from stepover.verdict import require, require_speeds
 
 ARMS = ("auto", "on", "off")
 SPEED_LIMITS = ("ignore", "respect")
@@ -37,8 +37,8 @@ def plan(
         robot: from load_robot.
         obstacle: the obstacle with its margins.
         arms: UBMG: "auto" swings the arms back where the lead knee needs it, "on" always, "off" never.
-        speed_limits: "ignore" the joints' speed limits, as the paper's simulation does, or "respect" them by a longer
-            single support.
+        speed_limits: "ignore" the joints' speed limits, as the paper's simulation does, or "respect" them by moving
+            as the tables slow.* of robot.toml say.
         extras: whether what is added beyond the paper may be used where the paper's own methods do not reach.
 
     Returns:
@@ -70,11 +70,10 @@ def plan_in_detail(
             raise InvalidInput(f"{name} = {value!r} must be one of {', '.join(known)}")
     start = time.perf_counter()
     try:
-        keys = key_configurations(robot, obstacle)  # 1: FU
+        mover = robot.slowed if speed_limits == "respect" else robot
+        keys = key_configurations(mover, obstacle)  # 1: FU
         feasibility_time = time.perf_counter() - start
-        found = _first(robot, obstacle, keys, _efforts(robot, arms, extras))
-        if speed_limits == "respect":
-            found = _slowed(robot, obstacle, found, _efforts(robot, arms, extras))
+        found = _first(mover, obstacle, keys, _efforts(mover, arms, extras, speed_limits), speed_limits)
     except Infeasible as error:
         if error.nearest is None and look_for_nearest:
             error.nearest = nearest_crossable(
@@ -97,7 +96,7 @@ def algorithm_1(robot: Robot, obstacle: Obstacle, key: KeyConfiguration, effort:
     body, dt = robot.body, robot.walk.sample_time
     sequence = extra_zmp(robot, step_sequence(robot, obstacle, key, robot.rest_zmp()), effort.level)  # 2: FTG
     ftg = feet_trajectories(robot, obstacle, sequence, extra_shape(robot, effort.level))
-    first = com_and_waist(robot, sequence, key)  # 3: CWTG1
+    first = com_and_waist(robot, sequence, key, waist_delay(robot, effort.level))  # 3: CWTG1
     upper = upper_body(robot, sequence, ftg, first, effort.arms)  # 5: UBMG
     waist, feet, adaptation = moved(first.waist, upper.waist_shift), ftg, None
     zmps: list[np.ndarray] = []
@@ -149,15 +148,21 @@ def whole_body(
     return q
 
 
-def _efforts(robot: Robot, arms: str, extras: bool) -> list[Effort]:
-    """What to try, in this order."""
+def _efforts(robot: Robot, arms: str, extras: bool, speed_limits: str) -> list[Effort]:
+    """What to try, in this order; where speed limits are to be kept, all that is allowed at once."""
     first = [Effort("off")] if arms == "auto" else []
     levels = range(1, len(robot.beyond_paper.zmp_toe) + 1) if extras else ()
-    return [*first, Effort(arms), *(Effort(arms, level=level) for level in levels)]
+    efforts = [*first, Effort(arms), *(Effort(arms, level=level) for level in levels)]
+    return efforts[-1:] if speed_limits == "respect" else efforts
 
 
 def _first(
-    robot: Robot, obstacle: Obstacle, keys: list[KeyConfiguration], efforts: list[Effort], every: int = 1
+    robot: Robot,
+    obstacle: Obstacle,
+    keys: list[KeyConfiguration],
+    efforts: list[Effort],
+    speed_limits: str,
+    every: int = 1,
 ) -> Plan:
     """The plan for the first effort and key configuration that work; else what the last effort lacks least.
 
@@ -173,7 +178,10 @@ def _first(
             if key.z_hds > highest or abs(longer - round(longer)) > 1e-6 or abs(lower - round(lower)) > 1e-6:
                 continue
             try:
-                return algorithm_1(robot, obstacle, key, effort)
+                found = algorithm_1(robot, obstacle, key, effort)
+                if speed_limits == "respect":
+                    require_speeds(robot, found.motion)
+                return found
             except Infeasible as error:
                 errors.append(error)
                 if isinstance(error, OutOfReach):
@@ -186,29 +194,13 @@ def _first(
 def _crossable(robot: Robot, obstacle: Obstacle, arms: str, speed_limits: str, extras: bool) -> bool:
     """Whether the obstacle can be planned; looks at every second key configuration and not at every effort."""
     try:
-        efforts = _efforts(robot, arms, extras)
-        found = _first(robot, obstacle, key_configurations(robot, obstacle), [efforts[0], *efforts[2:]], every=2)
-        if speed_limits == "respect":
-            _slowed(robot, obstacle, found, efforts)
+        mover = robot.slowed if speed_limits == "respect" else robot
+        efforts = _efforts(mover, arms, extras, speed_limits)
+        keys = key_configurations(mover, obstacle)
+        _first(mover, obstacle, keys, [efforts[0], *efforts[2:]], speed_limits, every=2)
     except Infeasible:
         return False
     return True
-
-
-def _slowed(robot: Robot, obstacle: Obstacle, found: Plan, efforts: list[Effort]) -> Plan:
-    """The motion with longer single supports over the obstacle, until no joint exceeds its speed limit."""
-    slower = robot
-    for _ in range(robot.verdict.slowings):
-        ratio, joint, when = speed_ratio(slower, found.motion)
-        if ratio <= 1.0:
-            return found
-        trailing = when > found.motion.time[found.motion.samples(2).stop]
-        name = "single_support_leg_2" if trailing else "single_support_over"
-        samples = np.ceil(getattr(slower.walk, name) * min(max(1.02 * ratio, 1.05), 1.2) / slower.walk.sample_time)
-        walk = dataclasses.replace(slower.walk, **{name: float(samples * slower.walk.sample_time)})
-        slower = dataclasses.replace(robot, walk=walk)
-        found = _first(slower, obstacle, key_configurations(slower, obstacle), efforts)
-    raise Infeasible(f"{joint} moves at {ratio:.2f} of its speed limit at t = {when:.3f} s")
 
 
 def _footsteps(sequence: StepSequence) -> np.ndarray:

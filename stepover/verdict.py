@@ -87,6 +87,17 @@ def speed_ratio(robot: Robot, motion: Motion) -> tuple[float, str, float]:
     return float(speeds[sample, joint]), robot.body.joint_names[joint], float(motion.time[sample])
 
 
+def require_speeds(robot: Robot, motion: Motion) -> None:
+    """Refuse a motion in which a joint exceeds its speed limit.
+
+    Raises:
+        Infeasible: names the joint that moves fastest for its limit, its share of it and when.
+    """
+    ratio, joint, when = speed_ratio(robot, motion)
+    if ratio > 1.0:
+        raise Infeasible(f"{joint} moves at {ratio:.2f} of its speed limit at t = {when:.3f} s")
+
+
 def require(robot: Robot, obstacle: Obstacle, motion: Motion) -> None:
     """Refuse a motion that breaks a limit.
 

@@ -28,6 +28,7 @@ SIMULATE_KEYS = {
     "fell", "fall_time", "fall_reason", "obstacle_contacts", "clearance_min", "clearance_link", "zmp_rms",
     "landing_force_peak", "waist_error_max", "torque_ratio_max", "speed_ratio_max", "torque_saturated_samples",
     "actuators", "sole", "stabilizer", "duration", "realtime_factor", "state_hash",
+    "speed_violation_samples", "perturb",
 }  # fmt: skip
 SMALL = ["--height", "0.05", "--width", "0.05"]
 
@@ -192,6 +193,17 @@ class TestSimulate:
         assert set(printed["landing_force_peak"]) == {"first", "second"}
         assert os.listdir() == ["m.npz"]
 
+    def test_help_lists_the_disturbances(self):
+        text = " ".join(call("simulate", "--help").stdout.split())
+        for part in ("Disturbances, for --perturb:", "slope_ahead [deg]", "push_y [N]", "ground_1, ... [m]"):
+            assert part in text
+
+    def test_unknown_disturbances(self, motion, tmp_path_factory):
+        path = tmp_path_factory.mktemp("motions") / "m.npz"
+        motion.save(path)
+        refused(call("simulate", path, "--perturb", "wind=1"), 2, "'wind'")
+        refused(call("simulate", path, "--perturb", "friction=9"), 2, "0.01 to 2")
+
     def test_what_does_not_cross_explains_itself(self, motion):
         higher = motion.obstacle.copy()
         higher[2] += 0.15
@@ -203,6 +215,44 @@ class TestSimulate:
         assert "hit the obstacle" in result.stderr
         assert "m_failure.png" in result.stderr
         assert Path("m_failure.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.filterwarnings("ignore:zmq.eventloop:DeprecationWarning")
+class TestView:
+    def test_as_a_user_calls_it(self, motion):
+        motion.save("m.npz")
+        command = [sys.executable, "-m", "stepover", "view", "m.npz", "--output", "m.html"]
+        done = subprocess.run(command, capture_output=True, text=True)
+        assert (done.returncode, done.stderr) == (0, "")
+        assert done.stdout == "written to m.html; open it in a browser\n"
+        assert sorted(os.listdir()) == ["m.html", "m.npz"]
+        assert "<title>hrp2 steps over an obstacle 5 cm high, 5 cm wide</title>" in Path("m.html").read_text()
+
+    @pytest.mark.parametrize(
+        ("arguments", "word"),
+        [
+            (["--output", "nowhere/m.html"], "does not exist"),
+            (["--output", "m.npz"], ".html"),
+            (["--output", "m.html", "--time", "99"], "from 0.00 s"),
+            (["--output", "m.html", "--time", "nan"], "from 0.00 s"),
+            ([], "--output"),
+        ],
+    )
+    def test_bad_options(self, motion, arguments, word, tmp_path_factory):
+        path = tmp_path_factory.mktemp("motions") / "m.npz"
+        motion.save(path)
+        refused(call("view", path, *arguments), 2, word)
+
+    @pytest.mark.parametrize("damage", [without_a_key, of_another_robot])
+    def test_motions_that_cannot_be_shown(self, motion, damage, tmp_path_factory):
+        path = tmp_path_factory.mktemp("motions") / "m.npz"
+        motion.save(path)
+        with np.load(path) as archive:
+            content = dict(archive)
+        damage(content)
+        np.savez(path, **content)
+        refused(call("view", path, "--output", "m.html"), 2)
+        refused(call("view", "nowhere.npz", "--output", "m.html"), 2, "no such file")
 
 
 class TestReproduce:
@@ -229,7 +279,7 @@ class TestWhole:
     def test_help(self):
         overview = call("--help")
         assert overview.exit_code == 0
-        assert list(main.commands) == ["plan", "simulate", "reproduce"]
+        assert list(main.commands) == ["plan", "simulate", "view", "study", "reproduce"]
         for name in main.commands:
             assert name in overview.stdout
             page = call(name, "--help")
@@ -240,7 +290,7 @@ class TestWhole:
         assert __version__ in call("--version").stdout
 
     def test_nothing_heavy_is_imported_before_it_is_needed(self):
-        heavy = ["pinocchio", "pybullet", "matplotlib", "scipy", "numpy", "papermill"]
+        heavy = ["pinocchio", "pybullet", "meshcat", "matplotlib", "scipy", "numpy", "papermill"]
         code = f"import stepover, stepover.cli, sys; print(set({heavy}) & set(sys.modules))"
         assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout == "set()\n"
 

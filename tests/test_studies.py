@@ -73,6 +73,12 @@ def test_an_error_ends_the_study_and_keeps_what_is_done(tmp_path):
     assert [row["inverse"] for row in rows] == [1.0, 0.5, 0.25]
 
 
+def test_a_damaged_part_file_is_refused(tmp_path):
+    (tmp_path / "part").write_bytes(b'["1", {"inverse": 1.0}]\n[\n')
+    with pytest.raises(InvalidInput, match="delete it"):
+        run_study([1, 2], lambda x: {"inverse": 1 / x}, tmp_path / "part", workers=1)
+
+
 def test_the_fingerprint_follows_the_code_and_what_is_named(monkeypatch):
     now = fingerprint("hrp2")
     assert now == fingerprint("hrp2")

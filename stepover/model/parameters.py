@@ -153,11 +153,12 @@ class Adaptor:
 class Beyond:
     """What is added beyond the paper where its own methods do not reach; lengths in m, times as shares.
 
-    Level n uses all of it with zmp_toe[n - 1].
+    Level n uses all of it with zmp_toe[n - 1]. waist_delay is in s.
     """
 
     zmp_toe: tuple[float, ...]
     zmp_heel: float
+    zmp_heel_from: float
     zmp_ahead: float
     zmp_toe_at: float
     zmp_heel_until: float
@@ -168,6 +169,7 @@ class Beyond:
     leg2_pitch_start: float
     leg2_pitch_full: float
     leg2_pitch_per_height_deg: float
+    waist_delay: float
 
 
 @dataclass(frozen=True)
@@ -177,7 +179,6 @@ class Verdict:
     knee_margin_deg: float
     zmp_margin: float
     self_look_every: int
-    slowings: int
 
 
 @dataclass(frozen=True)

@@ -19,3 +19,25 @@ class Simulation:
     fall_tilt_deg: float
     fall_drop: float
     after_fall: float
+
+
+@dataclass(frozen=True)
+class Servo:
+    """Limited motors: stiffness in N m/rad, and in 1/rad per N m of the torque limit; time in s, fade a share."""
+
+    leg_stiffness: float
+    stiffness_per_torque: float
+    damping_time: float
+    speed_fade: float
+
+
+@dataclass(frozen=True)
+class SoleRubber:
+    """The rubber between ankle and sole: N/m, N s/m, N m/rad, N m s/rad; masses in kg."""
+
+    vertical_stiffness: float
+    vertical_damping: float
+    tilt_stiffness: float
+    tilt_damping: float
+    mass: float
+    bush_mass: float

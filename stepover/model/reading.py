@@ -23,7 +23,9 @@ ZERO = {
     "leg2_extra_lift",
     "leg2_pitch_per_height_deg",
     "spare",
+    "waist_delay",
     "waist_yaw_deg",
+    "zmp_heel_from",
 }
 RISING = (
     ("sample_time", "double_support", "single_support"),
@@ -34,7 +36,7 @@ RISING = (
     ("rest", "leg2_rise", "leg2_descent"),
     ("leg2_pitch_start", "leg2_pitch_full", "leg2_descent"),
     ("arms_start", "arms_back"),
-    ("zmp_heel_until", "zmp_ahead_at"),
+    ("zmp_heel_from", "zmp_heel_until", "zmp_ahead_at"),
     ("leg2_rise", "leg2_descent", "leg2_over"),
     ("leg2_pitch_full", "leg2_descent"),
     ("lower_from", "lower_until"),

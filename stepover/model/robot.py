@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import tomllib
-from dataclasses import dataclass, fields
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, get_type_hints
 
 import numpy as np
@@ -13,6 +15,7 @@ import numpy as np
 from stepover.errors import InvalidInput
 from stepover.model.body import Body
 from stepover.model.collision import Shape, shapes_of
+from stepover.model.control_parameters import Stabilization
 from stepover.model.legs import Leg
 from stepover.model.parameters import (
     Adaptor,
@@ -29,7 +32,7 @@ from stepover.model.parameters import (
     Verdict,
     Walk,
 )
-from stepover.model.physics_parameters import Simulation
+from stepover.model.physics_parameters import Servo, Simulation, SoleRubber
 from stepover.model.reading import read_section
 
 SIDES = {"left": 1, "right": -1}
@@ -45,8 +48,9 @@ class Robot:
         urdf: file name of the URDF.
         root: name of the root link, the waist.
         legs, foot, outline, posture, upper_body, walk, feasibility, stepping_over, preview, adaptor, beyond_paper,
-            verdict, quasi_static, simulation: the tables of robot.toml, each a dataclass of model.parameters or, the
-            last, model.physics_parameters.
+            verdict, quasi_static, simulation, servo, sole, stabilizer: the tables of robot.toml, each a dataclass of
+            model.parameters or, the last four, of model.physics_parameters and model.control_parameters.
+        slow: those of them that differ where the joints' speed limits are to be kept.
     """
 
     name: str
@@ -67,6 +71,10 @@ class Robot:
     verdict: Verdict
     quasi_static: QuasiStatic
     simulation: Simulation
+    servo: Servo
+    sole: SoleRubber
+    stabilizer: Stabilization
+    slow: Mapping[str, Any]
 
     def __post_init__(self) -> None:
         """Read the URDF, and refuse joints and links that it lacks."""
@@ -123,6 +131,11 @@ class Robot:
             side: Leg(self.body, side, joints, self.foot.ankle_height, rest[[self.body.column(j) for j in joints]])
             for side, joints in ((1, self.legs.left), (-1, self.legs.right))
         }
+
+    @cached_property
+    def slowed(self) -> Robot:
+        """The robot as it moves where the joints' speed limits are to be kept."""
+        return replace(self, **self.slow)
 
     def leg(self, side: int) -> Leg:
         """The leg of a side: +1 left, -1 right."""
@@ -200,9 +213,25 @@ def _read(table: dict[str, Any]) -> dict[str, Any]:
         if key not in names:
             raise InvalidInput(f"has an unknown key {key!r}; known are {', '.join(names)}")
     texts = {key: table[key] for key in names if hints[key] is str}
-    sections = [key for key in names if key not in texts]
+    sections = [key for key in names if key not in texts and key != "slow"]
     for key, text in texts.items():
         if not isinstance(text, str) or not text:
             raise InvalidInput(f"{key} = {text!r} must be a name")
     whole = {key: read_section(hints[key], table[key], key) for key in sections}
-    return texts | whole
+    slow = {
+        key: read_section(hints[key], table[key] | part, f"slow.{key}")
+        for key, part in _changes(table["slow"], sections).items()
+    }
+    return texts | whole | {"slow": MappingProxyType(slow)}
+
+
+def _changes(slow: Any, sections: list[str]) -> dict[str, dict[str, Any]]:
+    """The tables under slow, each named as the one that it changes."""
+    if not isinstance(slow, dict):
+        raise InvalidInput("slow must be a table")
+    for key, part in slow.items():
+        if key not in sections:
+            raise InvalidInput(f"slow has an unknown key {key!r}; known are {', '.join(sections)}")
+        if not isinstance(part, dict):
+            raise InvalidInput(f"slow.{key} must be a table")
+    return slow

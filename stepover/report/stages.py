@@ -17,7 +17,7 @@ from stepover.model.robot import Robot
 from stepover.planned import Effort, Plan
 from stepover.planner import algorithm_1, whole_body
 from stepover.report.key_posture import knees_from_straight
-from stepover.units.beyond_paper import extra_shape, extra_zmp
+from stepover.units.beyond_paper import extra_shape, extra_zmp, waist_delay
 from stepover.units.com_waist import ComWaist, com_and_waist
 from stepover.units.dynamic_filter import filtered_waist
 from stepover.units.feasibility import KeyConfiguration
@@ -87,7 +87,7 @@ def first_stage(robot: Robot, obstacle: Obstacle, key: KeyConfiguration, level: 
     """Steps 2 and 3 of Algorithm 1 alone: feet of FTG, waist of CWTG1; level as in Effort."""
     sequence = extra_zmp(robot, step_sequence(robot, obstacle, key, robot.rest_zmp()), level)
     feet = feet_trajectories(robot, obstacle, sequence, extra_shape(robot, level))
-    first = com_and_waist(robot, sequence, key)
+    first = com_and_waist(robot, sequence, key, waist_delay(robot, level))
     return Stage("CWTG1", sequence, first.waist, feet), first
 
 

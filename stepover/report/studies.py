@@ -14,25 +14,20 @@ import hashlib
 import io
 import json
 import os
-import signal
-import threading
-import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, TypeVar
 
-from joblib import Parallel, cpu_count, delayed
 from tqdm import tqdm
 
 from stepover import __version__
 from stepover.errors import InvalidInput
 from stepover.model.robot import Robot, data_folder, load_robot
 from stepover.motion import write_whole
+from stepover.report.parallel import Row, Work, computed
 from stepover.report.reproduce import checkout
 
-Row = dict[str, Any]
-Work = Callable[[Any], Row]
 Kind = TypeVar("Kind")
 
 INDEPENDENT = ("report", "cli.py", "__main__.py")
@@ -129,6 +124,9 @@ def run_study(
         part: where finished rows are kept until the study is whole.
         workers: processes, 1: this one; None: one a core.
         name: for the progress bar, which goes to stderr.
+
+    Raises:
+        InvalidInput: the part file is damaged, other than in a last line that was cut short.
     """
     part.parent.mkdir(parents=True, exist_ok=True)
     done = _read_part(part)
@@ -137,41 +135,13 @@ def run_study(
         open(part, "ab") as file,
         tqdm(total=len(points), initial=len(points) - len(missing), desc=name, unit="point", disable=None) as bar,
     ):
-        for point, row in _computed(missing, work, workers):
+        for point, row in computed(missing, work, workers):
             file.write(json.dumps([repr(point), row]).encode() + b"\n")
             file.flush()
             os.fsync(file.fileno())
             done[repr(point)] = json.loads(json.dumps(row))
             bar.update()
     return [done[repr(point)] for point in points]
-
-
-def _computed(points: Sequence[Any], work: Work, workers: int | None) -> Iterator[tuple[Any, Row]]:
-    """Points with their rows, as they are finished; each one goes alone to a process, so that none waits for others."""
-    count = min(len(points), workers or cpu_count())
-    if count > 0:
-        pool = Parallel(
-            count, return_as="generator_unordered", batch_size=1, max_nbytes=None, initializer=_serve,
-            initargs=(os.getpid(),),
-        )  # fmt: skip
-        yield from pool(delayed(_with_row)(work, point) for point in points)
-
-
-def _with_row(work: Work, point: Any) -> tuple[Any, Row]:
-    """A point and its row."""
-    return point, work(point)
-
-
-def _serve(parent: int) -> None:
-    """Let a process leave Ctrl-C to its parent, and end when the parent does, even one that is killed."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-
-    def watch() -> None:
-        while os.getppid() == parent:
-            time.sleep(0.5)
-        os._exit(1)
-
-    threading.Thread(target=watch, daemon=True).start()
 
 
 def _read_part(part: Path) -> dict[str, Row]:
@@ -182,7 +152,10 @@ def _read_part(part: Path) -> dict[str, Row]:
     whole = content[: content.rfind(b"\n") + 1]
     if whole != content:
         os.truncate(part, len(whole))
-    return dict(json.loads(line) for line in whole.splitlines())
+    try:
+        return dict(json.loads(line) for line in whole.splitlines())
+    except (TypeError, ValueError) as error:
+        raise InvalidInput(f"{part} holds what is no row of a study; delete it to begin anew") from error
 
 
 def _value(kind: str, text: str) -> Any:

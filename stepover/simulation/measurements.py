@@ -1,4 +1,4 @@
-"""From what was recorded to what is reported: the result of a simulation."""
+"""The result of a simulation: the numbers that are reported, and the series that they were made from."""
 
 from __future__ import annotations
 
@@ -7,17 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from stepover.model import pose
-from stepover.model.kinematics import Placements
-from stepover.model.collision import clearance, separation
-from stepover.model.robot import Robot
-from stepover.model.support import zmp_margin
 from stepover.motion import Motion
-from stepover.simulation.recording import Recording
-from stepover.units.preview_control import GRAVITY
-
-PHASES = ("walking", "phase 1, leg 1 over the obstacle", "phase 2, both feet down", "phase 3, leg 2 over the obstacle")
-"""The phases of Sec. II, as an explanation names them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,7 +21,8 @@ class Series:
         q: (M, nq) measured configurations, in pinocchio's order.
         dq: (M, nq - 7) joint speeds.
         torque: (M, nq - 7) motor torques.
-        left_foot, right_foot: (M, 7) measured sole poses.
+        left_foot, right_foot: (M, 7) measured sole poses, beyond the rubber where there is any.
+        bush: (M, 6) deflections of the rubber: left up, roll, pitch, then right [m, rad]; zero on rigid soles.
         left_wrench, right_wrench: (M, 6) force and moment of the floor on each foot, about the world's origin.
         com: (M, 3) centre of mass.
         zmp: (M, 2) measured ZMP: where the floor's forces on the whole robot have no horizontal moment; NaN where
@@ -42,6 +33,9 @@ class Series:
             nearest to an edge.
         waist_error: (M,) distance of the waist from its planned place.
         obstacle_depth: (M,) largest depth of a contact with the obstacle, NaN where there is none.
+        zmp_error: (M, 2) measured ZMP minus the motion's reference.
+        waist_believed_error, com_believed_error: (M, 3) where the stabilizer's estimator took waist and CoM to be,
+            minus where they were; NaN without a stabilizer.
     """
 
     time: np.ndarray
@@ -50,6 +44,7 @@ class Series:
     torque: np.ndarray
     left_foot: np.ndarray
     right_foot: np.ndarray
+    bush: np.ndarray
     left_wrench: np.ndarray
     right_wrench: np.ndarray
     com: np.ndarray
@@ -58,6 +53,9 @@ class Series:
     clearance: np.ndarray
     waist_error: np.ndarray
     obstacle_depth: np.ndarray
+    zmp_error: np.ndarray
+    waist_believed_error: np.ndarray
+    com_believed_error: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,12 +72,15 @@ class Run:
         waist_error_max: largest distance of the waist from its planned place [m].
         torque_ratio_max, speed_ratio_max: largest torque (mean over 5 ms) and speed over the joint's limit.
         torque_saturated_samples: samples with a torque at or beyond the limit, of the joints that have any.
+        speed_violation_samples: samples with a speed beyond the limit, of the joints that have any.
         actuators, sole, stabilizer: how it was simulated.
         duration: simulated time [s].
         realtime_factor: simulated time over computing time.
+        perturb: what was otherwise than planned, by name.
         state_hash: SHA-256 of all recorded states, torques and forces, to the last bit.
         contact_reason: the first contact with the obstacle, in one sentence; None where there is none.
         motion: what was carried out.
+        obstacle: (4,) rectangle x_min, x_max, z_min, z_max of the bare obstacle, where it really was [m].
         series: the time series that the numbers were made from.
     """
 
@@ -101,8 +102,11 @@ class Run:
     duration: float
     realtime_factor: float
     state_hash: str
+    speed_violation_samples: dict[str, int]
+    perturb: dict[str, float]
     contact_reason: str | None
     motion: Motion
+    obstacle: np.ndarray
     series: Series
 
     @property
@@ -117,119 +121,8 @@ class Run:
 
     def to_json(self) -> dict[str, Any]:
         """The numbers as `simulate --json` prints them, None for what is not a number."""
-        beyond = ("contact_reason", "motion", "series")
+        beyond = ("contact_reason", "motion", "obstacle", "series")
         return {f.name: _plain(getattr(self, f.name)) for f in fields(self) if f.name not in beyond}
-
-
-def measured(
-    robot: Robot, motion: Motion, recording: Recording, fall: tuple[int, str] | None, how: dict[str, Any]
-) -> Run:
-    """Judge a recording.
-
-    Args:
-        robot: the robot.
-        motion: what it was to do.
-        recording: what it did.
-        fall: sample of a fall and what it shows by, or None.
-        how: actuators, sole, stabilizer and realtime_factor, as they go into the result.
-    """
-    placements = robot.body.placements(recording.q[: recording.count])
-    series = _series(robot, motion, recording, placements)
-    end = fall[0] + 1 if fall else recording.count
-    upright = Placements(placements.rotations[:end], placements.positions[:end])
-    nearest = clearance(robot.shapes, upright, motion.bare_obstacle)
-    torque = np.abs(series.torque[:end]) / robot.body.effort_limits
-    saturated = (torque >= 1.0).sum(axis=0)
-    return Run(
-        fell=fall is not None,
-        fall_time=float(series.time[fall[0]]) if fall else None,
-        fall_reason=_sentence("fell", motion, series, *fall) if fall else None,
-        obstacle_contacts=int(np.isfinite(series.obstacle_depth[:end]).sum()),
-        clearance_min=nearest.distance,
-        clearance_link=nearest.link,
-        zmp_rms=_rms(series.zmp[:end] - motion.zmp_reference[:end]),
-        landing_force_peak={
-            "first": _landing_force(robot, motion, series, 2, end),
-            "second": _landing_force(robot, motion, series, 3, end),
-        },
-        waist_error_max=float(series.waist_error[:end].max()),
-        torque_ratio_max=float(torque.max()),
-        speed_ratio_max=float((np.abs(series.dq[:end]) / robot.body.speed_limits).max()),
-        torque_saturated_samples={
-            joint: int(n) for joint, n in zip(robot.body.joint_names, saturated, strict=True) if n
-        },
-        duration=float(series.time[-1] - series.time[0]),
-        state_hash=recording.state_hash(),
-        contact_reason=_contact(motion, series, recording, end),
-        motion=motion,
-        series=series,
-        **how,
-    )
-
-
-def _series(robot: Robot, motion: Motion, recording: Recording, placements: Placements) -> Series:
-    """Cut the recording to its length and add what follows from it."""
-    m = recording.count
-    total, least = recording.total[:m], robot.simulation.loaded_share * robot.body.mass * GRAVITY
-    bearing = recording.feet[:m, :, 2] >= least
-    support = bearing[:, 0].astype(int) - bearing[:, 1].astype(int)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        zmp = np.column_stack([-total[:, 4], total[:, 3]]) / total[:, 2:3]
-    zmp[total[:, 2] < least] = np.nan
-    left, right = (_sole(robot, placements, side) for side in (1, -1))
-    distances = [separation(shape, placements, motion.bare_obstacle) for shape in robot.shapes]
-    return Series(
-        time=motion.time[:m], q=recording.q[:m], dq=recording.dq[:m], torque=recording.torque[:m],
-        left_foot=left, right_foot=right, left_wrench=recording.feet[:m, 0], right_wrench=recording.feet[:m, 1],
-        com=robot.body.com(placements), zmp=zmp, zmp_margin=zmp_margin(robot, zmp, support, left, right),
-        clearance=np.min(distances, axis=0),
-        waist_error=np.linalg.norm(recording.q[:m, :3] - motion.waist[:m, :3], axis=1),
-        obstacle_depth=recording.obstacle_depth[:m],
-    )  # fmt: skip
-
-
-def _sole(robot: Robot, placements: Placements, side: int) -> np.ndarray:
-    """Poses (M, 7) of a measured sole frame."""
-    ankle = robot.body.index((robot.legs.left if side > 0 else robot.legs.right)[-1])
-    poses = pose.from_matrices(placements.rotations[:, ankle], placements.positions[:, ankle])
-    return pose.offset(poses, np.array([0.0, 0.0, -robot.foot.ankle_height]))
-
-
-def _landing_force(robot: Robot, motion: Motion, series: Series, kind: int, end: int) -> float:
-    """Peak of the vertical force on a foot around its planned touch-down [N]; NaN where that was not reached."""
-    step = motion.footsteps[motion.footsteps[:, 5] == kind]
-    window = robot.simulation.landing_window
-    if len(step) == 0 or series.time[end - 1] < step[0, 0]:
-        return float("nan")
-    wrench = series.left_wrench if step[0, 1] > 0 else series.right_wrench
-    near = np.abs(series.time[:end] - step[0, 0]) <= window + 1e-9
-    return float(wrench[:end][near, 2].max())
-
-
-def _contact(motion: Motion, series: Series, recording: Recording, end: int) -> str | None:
-    """The first contact with the obstacle as a sentence; None where there is none before the end."""
-    if recording.touched is None or recording.touched[0] >= end:
-        return None
-    sample, links = recording.touched
-    depth = 1e3 * float(np.nanmax(series.obstacle_depth[:end]))
-    cause = f"{' and '.join(links)} touches it, at most {depth:.1f} mm deep"
-    return _sentence("hit the obstacle", motion, series, sample, cause)
-
-
-def _sentence(what: str, motion: Motion, series: Series, sample: int, cause: str) -> str:
-    """One sentence: what, when, which link, stance foot and phase, last ZMP margin."""
-    stance = {0: "both feet bear", 1: "the left foot bears", -1: "the right foot bears"}[int(motion.support[sample])]
-    margins = series.zmp_margin[: sample + 1]
-    margins = margins[np.isfinite(margins)]
-    margin = f"last ZMP margin {1e3 * margins[-1]:.0f} mm" if len(margins) else "ZMP never measured"
-    phase = PHASES[int(motion.phase[sample])]
-    return f"{what} at t = {series.time[sample]:.3f} s: {cause}; by the plan {stance} ({phase}); {margin}"
-
-
-def _rms(error: np.ndarray) -> list[float]:
-    """Root mean square per axis over the rows without NaN."""
-    good = error[np.isfinite(error).all(axis=1)]
-    return [float(x) for x in np.sqrt((good**2).mean(axis=0))] if len(good) else [float("nan")] * error.shape[1]
 
 
 def _plain(value: Any) -> Any:

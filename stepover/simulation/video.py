@@ -18,8 +18,8 @@ from scipy.ndimage import gaussian_filter1d
 from stepover.errors import InvalidInput
 from stepover.model.robot import Robot, load_robot
 from stepover.motion import Motion
+from stepover.simulation.engine import load_body, local_of, names_of, place_body, pybullet, silenced
 from stepover.simulation.measurements import Run
-from stepover.simulation.world import load_body, local_of, names_of, place_body, pybullet, silenced
 
 EYE, TARGET_HEIGHT, FIELD_OF_VIEW = (0.0, -7.5, 1.75), 0.72, 13.5
 """Camera: place against the robot [m], height it looks at [m], vertical angle [deg]. From the right: x to the right."""
@@ -115,7 +115,8 @@ def _pictures(
     with _stage(motion) as client:
         with silenced():
             body = load_body(robot, client)
-        joints, local = names_of(robot, body, client)[1], local_of(body, client)
+        index, local = names_of(body, client)[1], local_of(body, client)
+        joints = [index[name] for name in robot.body.joint_names]
         for sample in samples:
             place_body(body, client, joints, local, q[sample])
             yield _picture(client, float(way[sample]), size, fineness)

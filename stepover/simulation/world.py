@@ -1,4 +1,4 @@
-"""The world in PyBullet: floor, obstacle and robot. The only door to PyBullet, and video.py's.
+"""The world in PyBullet: floor, obstacle and robot, and what may be otherwise than planned.
 
 PyBullet gives and takes the base pose of a robot at the centre of mass of its root link. Everything that leaves
 this module is in the library's terms: configurations in pinocchio's order, with the pose of the root link itself.
@@ -6,59 +6,17 @@ this module is in the library's terms: configurations in pinocchio's order, with
 
 from __future__ import annotations
 
-import ctypes
-import os
-import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
-from typing import NamedTuple
-
 import numpy as np
 
 from stepover.errors import InvalidInput
 from stepover.model.obstacle import LATERAL_HALF_EXTENT
 from stepover.model.pose import Rotation
 from stepover.model.robot import Robot
+from stepover.simulation.description import describe
+from stepover.simulation.disturbances import NONE, Disturbances
+from stepover.simulation.engine import load_body, local_of, names_of, place_body, pybullet, silenced
+from stepover.simulation.touch import Touch, summed_up
 from stepover.units.preview_control import GRAVITY
-
-
-@contextmanager
-def silenced() -> Iterator[None]:
-    """Let C code print to nowhere: stdout and stderr at the file descriptors."""
-    sys.stdout.flush()
-    sys.stderr.flush()
-    kept = [os.dup(1), os.dup(2)]
-    nowhere = os.open(os.devnull, os.O_WRONLY)
-    try:
-        os.dup2(nowhere, 1)
-        os.dup2(nowhere, 2)
-        yield
-    finally:
-        ctypes.CDLL(None).fflush(None)
-        os.dup2(kept[0], 1)
-        os.dup2(kept[1], 2)
-        for descriptor in (nowhere, *kept):
-            os.close(descriptor)
-
-
-with silenced():
-    import pybullet
-
-
-class Touch(NamedTuple):
-    """What touches the robot: means and findings over some steps.
-
-    Attributes:
-        feet: (2, 6) force [N] and moment about the world's origin [N m] of the floor on the left and right foot.
-        total: (6,) the same of the floor on all links.
-        others: links on the floor that are no feet.
-        obstacle: links that touch the obstacle, with the largest depth [m] of each.
-    """
-
-    feet: np.ndarray
-    total: np.ndarray
-    others: set[str]
-    obstacle: dict[str, float]
 
 
 class World:
@@ -67,30 +25,53 @@ class World:
     Attributes:
         client: PyBullet's number of the client.
         robot: the number of the robot's body.
-        links: link names by PyBullet's index; the root is at -1.
+        links: link names by PyBullet's index; the root is at -1. What is beyond a bush counts as the foot's link.
         joints: PyBullet's indices of the joints in the order of q[7:].
+        passive: PyBullet's indices of the bushes' joints: up and down, roll, pitch; the left foot's first.
+        description: the URDF as it is simulated.
+        gravity: (3,) [m/s^2].
     """
 
-    def __init__(self, robot: Robot, obstacle: np.ndarray | None) -> None:
+    def __init__(
+        self, robot: Robot, obstacle: np.ndarray | None, sole: str = "rigid", disturbances: Disturbances = NONE
+    ) -> None:
         """Build the world.
 
         Args:
             robot: the robot, in the pose of the URDF until reset.
-            obstacle: a motion's obstacle row: front face x, width, height, ... [m].
+            obstacle: a motion's obstacle row: front face x, width, height, ... [m]; where it really is.
+            sole: "rigid" or "compliant".
+            disturbances: friction, slope and the chest's mass are of this place.
 
         Raises:
-            InvalidInput: the robot weighs something else in PyBullet than in pinocchio.
+            InvalidInput: the robot weighs something else in PyBullet than in pinocchio, or has no sole for rubber.
         """
-        self._parameters = robot.simulation
+        self._robot, self._disturbances, self.gravity = robot, disturbances, disturbances.gravity
+        self.description = description = describe(robot, sole, disturbances)
         with silenced():
             self.client = pybullet.connect(pybullet.DIRECT)
-            self._floor = self._still(pybullet.createCollisionShape(pybullet.GEOM_PLANE, physicsClientId=self.client))
+            self._floor = self._plane()
             self._obstacle = None if obstacle is None else self._beam(*obstacle[:3])
-            self.robot = load_body(robot, self.client)
-        self.links, self.joints = names_of(robot, self.robot, self.client)
-        self._feet = {self._link_behind(robot, side): row for row, side in enumerate((1, -1))}
+            text = description.text() if sole == "compliant" or disturbances.loads else None
+            self.robot = load_body(robot, self.client, text)
+        self.links, index = names_of(self.robot, self.client)
+        self.joints = [index[name] for name in robot.body.joint_names]
+        self.passive = [index[name] for name in description.passive]
+        feet = {index[(robot.legs.left if side > 0 else robot.legs.right)[-1]]: side for side in (1, -1)}
+        for number, name in zip(self.passive, description.passive, strict=True):
+            foot = next(foot for foot in feet if name.startswith(f"{self.links[foot]}_"))
+            feet[number], self.links[number] = feet[foot], self.links[foot]
+        self._feet = {link: 0 if side > 0 else 1 for link, side in feet.items()}
+        self._foot_floors: dict[int, int] = {}
         self._local = local_of(self.robot, self.client)
-        self._settle_physics(robot)
+        self._lever = np.cross(self._local[0], np.eye(3)).T  # lever x spin, which np.cross takes its time for
+        self._from_inertial = pybullet.invertTransform(self._local[0].tolist(), self._local[1].as_quat().tolist())
+        self._settle_physics()
+
+    @property
+    def time_step(self) -> float:
+        """Of the physics [s]."""
+        return self._robot.simulation.time_step
 
     def __enter__(self) -> World:
         return self
@@ -99,8 +80,14 @@ class World:
         pybullet.disconnect(self.client)
 
     def reset(self, q: np.ndarray) -> None:
-        """Put the robot at rest at a configuration (nq,)."""
+        """Put the robot at rest at a configuration (nq,), on rubber as deep as the weight on both feet presses it."""
         place_body(self.robot, self.client, self.joints, self._local, q)
+        if not self.passive:
+            return
+        sunk = self._robot.body.mass * GRAVITY / (2.0 * self._robot.sole.vertical_stiffness)
+        place_body(self.robot, self.client, self.joints, self._local, q - np.eye(len(q))[2] * sunk)
+        for number in self.passive[0::3]:
+            pybullet.resetJointState(self.robot, number, sunk, 0.0, self.client)
 
     def step(self) -> None:
         """Let one time step pass."""
@@ -124,6 +111,54 @@ class World:
             [correction] * count, [1.0] * count, self.client,
         )  # fmt: skip
 
+    def release(self, joints: list[int]) -> None:
+        """Take the position-controlled motors, which PyBullet begins with, from joints that torques shall move."""
+        pybullet.setJointMotorControlArray(
+            self.robot, joints, pybullet.VELOCITY_CONTROL, forces=[0.0] * len(joints), physicsClientId=self.client
+        )
+
+    def drive(self, joints: list[int], torques: np.ndarray) -> None:
+        """Torques for the next step on joints that were released [N m, N]."""
+        pybullet.setJointMotorControlArray(
+            self.robot, joints, pybullet.TORQUE_CONTROL, forces=torques.tolist(), physicsClientId=self.client
+        )
+
+    def push(self, force: np.ndarray) -> None:
+        """Push the root link at its centre of mass for the next step: force (3,) in the world [N]."""
+        place = pybullet.getBasePositionAndOrientation(self.robot, self.client)[0]
+        pybullet.applyExternalForce(
+            self.robot, -1, force.tolist(), place, pybullet.WORLD_FRAME, physicsClientId=self.client
+        )
+
+    def joint_motion(self, joints: list[int]) -> np.ndarray:
+        """Angles and speeds of joints: (2, J)."""
+        states = pybullet.getJointStates(self.robot, joints, self.client)
+        return np.array([[state[0] for state in states], [state[1] for state in states]])
+
+    def base_motion(self) -> tuple[np.ndarray, np.ndarray]:
+        """Pose (7,) of the root link, and its velocity and angular velocity (6,) in its own axes."""
+        middle, turn = pybullet.getBasePositionAndOrientation(self.robot, self.client)
+        position, quaternion = pybullet.multiplyTransforms(middle, turn, *self._from_inertial)
+        axes = np.reshape(pybullet.getMatrixFromQuaternion(quaternion), (3, 3))
+        linear, spin = np.array(pybullet.getBaseVelocity(self.robot, self.client)) @ axes
+        return np.array([*position, *quaternion]), np.concatenate([linear + self._lever @ spin, spin])
+
+    def link_frame(self, link: int) -> tuple[np.ndarray, np.ndarray]:
+        """Place (3,) and axes (3, 3), as columns, of a link's frame in the world."""
+        place, quaternion = pybullet.getLinkState(self.robot, link, 0, 1, self.client)[4:6]
+        return np.array(place), np.reshape(pybullet.getMatrixFromQuaternion(quaternion), (3, 3))
+
+    def bush(self) -> np.ndarray:
+        """Deflections (6,) of the bushes: left up, roll, pitch, then right [m, rad]; zero where there are none."""
+        return self.joint_motion(self.passive)[0] if self.passive else np.zeros(6)
+
+    def set_ground(self, side: int, height: float) -> None:
+        """Put the floor that a foot steps on at a height [m]; the first time, each foot gets a floor of its own."""
+        if not self._foot_floors:
+            self._part_floor()
+        where = (0.0, 0.0, height), (0.0, 0.0, 0.0, 1.0)
+        pybullet.resetBasePositionAndOrientation(self._foot_floors[side], *where, self.client)
+
     def joint_states(self) -> np.ndarray:
         """Angle [rad], speed [rad/s] and motor torque of the last step [N m] of all joints: (3, nq - 7)."""
         states = pybullet.getJointStates(self.robot, self.joints, self.client)
@@ -139,19 +174,21 @@ class World:
         """Contact points of the last step, as PyBullet gives them: for touch."""
         return list(pybullet.getContactPoints(self.robot, physicsClientId=self.client))
 
+    def standing(self, contacts: list[tuple]) -> list[tuple]:
+        """Those of the contacts that bear on the floor."""
+        if self._foot_floors:
+            floors = (self._floor, *self._foot_floors.values())
+            return [c for c in contacts if c[2] in floors and c[9] > 0.0]
+        return [c for c in contacts if c[2] == self._floor and c[9] > 0.0]
+
+    def foot_of(self, contact: tuple) -> int:
+        """Which foot a contact is of: 0 left, 1 right, -1 none."""
+        return self._feet.get(contact[3], -1)
+
     def touch(self, contacts: list[tuple], steps: int) -> Touch:
         """What the contacts of some steps come to: mean wrenches over the steps."""
-        on_floor = [c for c in contacts if c[2] == self._floor and c[9] > 0.0]
-        wrenches = _wrenches(on_floor) / steps
-        foot = np.array([self._feet.get(c[3], -1) for c in on_floor], dtype=int)
-        feet = np.array([wrenches[foot == row].sum(axis=0) for row in range(2)])
-        others = {self.links[c[3]] for c in on_floor if c[3] not in self._feet}
-        depths: dict[str, float] = {}
-        for contact in contacts:
-            if contact[2] == self._obstacle and contact[8] <= 0.0:
-                name = self.links[contact[3]]
-                depths[name] = max(-contact[8], depths.get(name, 0.0))
-        return Touch(feet, wrenches.sum(axis=0), others, depths)
+        on_obstacle = [c for c in contacts if c[2] == self._obstacle and c[8] <= 0.0]
+        return summed_up(self.standing(contacts), on_obstacle, self._feet, self.links, steps)
 
     def _still(self, shape: int, position: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> int:
         """A body that never moves."""
@@ -163,81 +200,48 @@ class World:
         box = pybullet.createCollisionShape(pybullet.GEOM_BOX, halfExtents=half, physicsClientId=self.client)
         return self._still(box, (front + half[0], 0.0, half[2]))
 
-    def _link_behind(self, robot: Robot, side: int) -> int:
-        """PyBullet's index of the foot of a side: a link has the index of its joint."""
-        leg = robot.legs.left if side > 0 else robot.legs.right
-        return self.joints[robot.body.joint_names.index(leg[-1])]
+    def _plane(self) -> int:
+        """An endless floor."""
+        return self._still(pybullet.createCollisionShape(pybullet.GEOM_PLANE, physicsClientId=self.client))
 
-    def _settle_physics(self, robot: Robot) -> None:
-        """Time step, solver, friction; no damping, which PyBullet would add to everything; and check the mass."""
-        parameters, client = self._parameters, self.client
-        pybullet.setGravity(0.0, 0.0, -GRAVITY, client)
+    def _part_floor(self) -> None:
+        """Give each foot a floor of its own, which nothing else touches.
+
+        A foot in the air does not notice when its floor moves, so that each foothold may have its own height without
+        edges to its neighbours.
+        """
+        for side, row in ((1, 0), (-1, 1)):
+            own = self._foot_floors[side] = self._plane()
+            self._roughen(own, -1)
+            for link in self.links:
+                mine = self._feet.get(link) == row
+                pybullet.setCollisionFilterPair(own, self.robot, -1, link, int(mine), self.client)
+                if mine:
+                    pybullet.setCollisionFilterPair(self._floor, self.robot, -1, link, 0, self.client)
+
+    def _roughen(self, body: int, link: int) -> None:
+        """Friction, which PyBullet multiplies; and no damping, which PyBullet would add to everything."""
+        friction = self._disturbances.friction or self._robot.simulation.friction
+        pybullet.changeDynamics(
+            body, link, lateralFriction=1.0 if body != self.robot else friction, linearDamping=0.0,
+            angularDamping=0.0, jointDamping=0.0, physicsClientId=self.client,
+        )  # fmt: skip
+
+    def _settle_physics(self) -> None:
+        """Time step, solver, gravity, friction; and check the mass."""
+        parameters, client = self._robot.simulation, self.client
+        pybullet.setGravity(*self.gravity, client)
         pybullet.setPhysicsEngineParameter(
             fixedTimeStep=parameters.time_step, numSolverIterations=parameters.solver_iterations, numSubSteps=0,
             deterministicOverlappingPairs=1, physicsClientId=client,
         )  # fmt: skip
         still = [(body, -1) for body in (self._floor, self._obstacle) if body is not None]
         for body, link in [*still, *((self.robot, link) for link in self.links)]:
-            pybullet.changeDynamics(
-                body, link, lateralFriction=1.0 if body != self.robot else parameters.friction, linearDamping=0.0,
-                angularDamping=0.0, jointDamping=0.0, physicsClientId=client,
-            )  # fmt: skip
+            self._roughen(body, link)
         mass = sum(pybullet.getDynamicsInfo(self.robot, link, client)[0] for link in self.links)
-        if abs(mass - robot.body.mass) > 1e-6 * mass:
+        expected = self._robot.body.mass * (1.0 + self._disturbances.chest_mass)
+        if abs(mass - expected) > 1e-6 * mass:
             raise InvalidInput(
-                f"{robot.urdf} weighs {mass:.3f} kg in PyBullet and {robot.body.mass:.3f} kg in pinocchio: "
+                f"{self._robot.urdf} weighs {mass:.3f} kg in PyBullet and {expected:.3f} kg in pinocchio: "
                 "every link needs an <inertial> with a mass"
             )
-
-
-def load_body(robot: Robot, client: int) -> int:
-    """Load the URDF into a client, and give its number.
-
-    Self-collision stays off: neighbouring boxes overlap at the joints by design, and the planner keeps the legs apart.
-    """
-    flags = pybullet.URDF_USE_INERTIA_FROM_FILE
-    path = str(robot.folder / robot.urdf)
-    return int(pybullet.loadURDF(path, flags=flags, physicsClientId=client))
-
-
-def names_of(robot: Robot, body: int, client: int) -> tuple[dict[int, str], list[int]]:
-    """Names of all links by PyBullet's index, and the indices of the joints in the order of q[7:]."""
-    infos = [pybullet.getJointInfo(body, i, client) for i in range(pybullet.getNumJoints(body, client))]
-    links = {-1: pybullet.getBodyInfo(body, client)[0].decode(), **{i[0]: i[12].decode() for i in infos}}
-    index = {info[1].decode(): info[0] for info in infos}
-    return links, [index[name] for name in robot.body.joint_names]
-
-
-def local_of(body: int, client: int) -> tuple[np.ndarray, Rotation]:
-    """Position and rotation of the root link's inertial frame, PyBullet's base, in the root link."""
-    position, quaternion = pybullet.getDynamicsInfo(body, -1, client)[3:5]
-    return np.array(position), Rotation.from_quat(quaternion)
-
-
-def place_body(body: int, client: int, joints: list[int], local: tuple[np.ndarray, Rotation], q: np.ndarray) -> None:
-    """Put a body at rest at a configuration (nq,).
-
-    Args:
-        body: its number.
-        client: its client.
-        joints: as from names_of.
-        local: as from local_of.
-        q: where to.
-    """
-    turn = Rotation.from_quat(q[3:7])
-    position, quaternion = q[:3] + turn.apply(local[0]), (turn * local[1]).as_quat()
-    pybullet.resetBasePositionAndOrientation(body, position, quaternion, client)
-    pybullet.resetBaseVelocity(body, [0.0] * 3, [0.0] * 3, client)
-    pybullet.resetJointStatesMultiDof(
-        body, joints, [[angle] for angle in q[7:]], [[0.0]] * len(joints), physicsClientId=client
-    )
-
-
-def _wrenches(contacts: list[tuple]) -> np.ndarray:
-    """Forces and moments (C, 6) about the world's origin that contact points give to the robot."""
-    if not contacts:
-        return np.zeros((0, 6))
-    place, normal, first, second = (np.array([c[i] for c in contacts]) for i in (6, 7, 11, 13))
-    sizes = np.array([(c[9], c[10], c[12]) for c in contacts])
-    force = sizes[:, :1] * normal + sizes[:, 1:2] * first + sizes[:, 2:] * second
-    return np.column_stack([force, np.cross(place, force)])

@@ -34,21 +34,28 @@ class ComWaist:
     yaw: np.ndarray
 
 
-def com_and_waist(robot: Robot, sequence: StepSequence, key: KeyConfiguration) -> ComWaist:
-    """CoM and waist trajectories: step 3 of Algorithm 1."""
+def com_and_waist(robot: Robot, sequence: StepSequence, key: KeyConfiguration, delay: float = 0.0) -> ComWaist:
+    """CoM and waist trajectories: step 3 of Algorithm 1.
+
+    Args:
+        robot: the robot.
+        sequence: the steps.
+        key: key configuration.
+        delay: of the waist's lowest height behind the double support [s].
+    """
     dt = robot.walk.sample_time
     com = track(kajita_gains(robot.preview, dt), sequence.zmp, robot.preview, dt)
     normal = robot.half_sitting()[:3]
     to_waist = normal[:2] - sequence.zmp[0]
-    height = over_and_back(sequence, normal[2], key.z_hds)
+    height = over_and_back(sequence, normal[2], key.z_hds, delay)
     yaw = over_and_back(sequence, 0.0, key.yaw)
     return ComWaist(com, pose(np.column_stack([com.position + to_waist, height]), yaw), yaw)
 
 
-def over_and_back(sequence: StepSequence, normal: float, over: float) -> np.ndarray:
-    """Cubics (N,) from a normal value to the one over the obstacle, during leg 1, and back during leg 2."""
+def over_and_back(sequence: StepSequence, normal: float, over: float, delay: float = 0.0) -> np.ndarray:
+    """Cubics (N,) from a normal value to the one over the obstacle, during leg 1, and back; held delay [s] later."""
     first, second = sequence.step(LEG_1), sequence.step(LEG_2)
     corners = [first.lift_off, first.touch_down, second.lift_off, second.touch_down]
-    times = sequence.time[corners]
+    times = sequence.time[corners] + [0.0, delay, delay, 0.0]
     curve = CubicHermiteSpline(times, [normal, over, over, normal], np.zeros(4))
     return np.asarray(curve(np.clip(sequence.time, times[0], times[-1])))

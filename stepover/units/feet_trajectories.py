@@ -95,6 +95,27 @@ def landing(start: float, value: float, end: float, target: float, points: int) 
     return [(end - (end - start) * r, target + (value - target) * r**2) for r in rest]
 
 
+def fourth_order(swing: Swing, share: np.ndarray, apex: float) -> Swing:
+    """The swing that the paper improves on: a fourth-order polynomial in height, the foot level. Sec. II-C.
+
+    Height and speed vanish at both ends, which with the apex in the middle leaves one such polynomial:
+    z = 16 apex s^2 (1 - s)^2. The planner does not use it; the notebook `landing_impact` does.
+
+    Args:
+        swing: whose way x, y it takes.
+        share: (n,) of the swing's time that has passed, 0 to 1.
+        apex: height in the middle [m].
+    """
+    return Swing(swing.x, swing.y, 16.0 * apex * share**2 * (1.0 - share) ** 2, np.zeros_like(share))
+
+
+def leg_1_heights(obstacle: Obstacle, shape: SteppingOver) -> list[tuple[float, float]]:
+    """Control points (share of the swing's time, height [m]) of leg 1's height: Fig. 3."""
+    top = obstacle.safe_height
+    over = [(shape.leg1_rise, top), (shape.leg1_top, top + shape.leg1_extra_lift), (shape.leg1_descent, top)]
+    return [(0.0, 0.0), *over, *landing(shape.leg1_descent, top, 1.0, 0.0, shape.landing_points)]
+
+
 def _normal(robot: Robot, step: Step, share: np.ndarray) -> Swing:
     """A step on flat ground: up and down, and forward between the rests."""
     rest = robot.stepping_over.rest
@@ -107,11 +128,9 @@ def _leg_1(
     robot: Robot, obstacle: Obstacle, front_face: float, step: Step, share: np.ndarray, shape: SteppingOver
 ) -> Swing:
     """The leading leg: above the landing point before it descends, heel first."""
-    top = obstacle.safe_height
     before = front_face - obstacle.margin_width - robot.foot.toe - robot.feasibility.foothold_clearance
     x = [(shape.rest, step.start[0]), (shape.leg1_rise, before), (shape.leg1_descent, step.end[0])]
-    z = [(0.0, 0.0), (shape.leg1_rise, top), (shape.leg1_top, top + shape.leg1_extra_lift), (shape.leg1_descent, top)]
-    z += landing(shape.leg1_descent, top, 1.0, 0.0, shape.landing_points)
+    z = leg_1_heights(obstacle, shape)
     heel_first = np.radians(shape.leg1_pitch_deg)
     pitch = clamped_spline([(shape.leg1_rise, 0.0), (shape.leg1_descent, heel_first)], share)
     flat = 1.0 - shape.rest / 2.0  # before touch-down, or the heel would go through the floor

@@ -2,6 +2,12 @@
 
 from stepover.report.figures.adapted import arms_and_lead_knee, before_and_after, stick_diagram
 from stepover.report.figures.feasibility import areas_by_height, domains_overlaid, feasibility_domains, key_domains
+from stepover.report.figures.landing import (
+    landing_forces,
+    landing_sensitivity,
+    leg_1_landing,
+    spline_and_polynomial,
+)
 from stepover.report.figures.limits import clearance_bought, highest_with_and_without_yaw, obstacle_plane
 from stepover.report.figures.planned import lateral_direction, preview_forms, walking_direction
 from stepover.report.figures.posture import key_configuration
@@ -29,12 +35,16 @@ __all__ = [
     "highest_with_and_without_yaw",
     "key_configuration",
     "key_domains",
+    "landing_forces",
+    "landing_sensitivity",
     "lateral_direction",
+    "leg_1_landing",
     "obstacle_plane",
     "planned_and_simulated",
     "preview_forms",
     "robustness",
     "save",
+    "spline_and_polynomial",
     "stick_diagram",
     "strategies_by_height",
     "strip",

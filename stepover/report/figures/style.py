@@ -90,5 +90,5 @@ def time_axis(axes: np.ndarray, motion: Motion, names: str = "long") -> None:
 
 def numbered(axes: np.ndarray, titles: list[str]) -> None:
     """Number the axes (a), (b), ... in the left upper corner, inside, with what each shows."""
-    for letter, axis, title in zip("abcdefgh", axes.ravel(), titles, strict=False):
+    for letter, axis, title in zip("abcdefghi", axes.ravel(), titles, strict=False):
         axis.set_title(f"({letter}) {title}")

@@ -1,0 +1,67 @@
+"""The stabilizer: joint angles that carry a motion out on a robot that sways, after Kajita (2010) and Caron (2019).
+
+The DCM's deviation from the plan asks for a ZMP; the ZMP is shared between the feet; ankles, feet and CoM give way
+until the sensors read it. Readings are compared with the plan at the sample that they were taken at.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stepover.control.dcm_feedback import DcmFeedback, Wish
+from stepover.control.estimator import Estimate, Estimator
+from stepover.control.feet_control import FeetControl
+from stepover.control.floor import Floor
+from stepover.control.leg_commands import LegCommands
+from stepover.control.reference import reference
+from stepover.control.sensors import Sensed
+from stepover.control.waist_control import WaistControl
+from stepover.model.robot import Robot
+from stepover.motion import Motion
+
+
+class Stabilizer:
+    """Called once a period, with what was sensed a while before: robot.stabilizer.age.
+
+    Attributes:
+        estimate: of the last call, or None.
+        wish: of the last call, or None.
+        floor: what is known of it.
+    """
+
+    def __init__(self, robot: Robot, motion: Motion, rubber: bool = False) -> None:
+        """Read the motion; begin at rest.
+
+        Args:
+            robot: with the gains.
+            motion: to be carried out.
+            rubber: whether there is rubber under the ankles, as robot.sole describes it.
+        """
+        planned = reference(robot, motion)
+        give = 1.0 / robot.sole.vertical_stiffness if rubber else 0.0
+        self._age = robot.stabilizer.age
+        self._estimator = Estimator(robot, planned, give)
+        self._feedback = DcmFeedback(robot, motion, planned)
+        self._feet = FeetControl(robot, planned, rubber)
+        self.floor = Floor(robot, planned, rubber)
+        self._waist = WaistControl(robot, planned)
+        self._legs = LegCommands(robot, planned)
+        self.estimate: Estimate | None = None
+        self.wish: Wish | None = None
+
+    def command(self, sample: int, sensed: Sensed) -> np.ndarray:
+        """Joint angles (nq - 7,) [rad] for one sample.
+
+        Args:
+            sample: that the angles are for.
+            sensed: readings of the sample that is `age` samples earlier.
+        """
+        then = max(sample - self._age, 0)
+        self.estimate = self._estimator.update(then, sensed)
+        self.wish = self._feedback.wish(then, self.estimate)
+        self.floor.look(then, self.estimate)
+        self._feet.give_way(sample, then, self.estimate, self.wish.shared)
+        rise = float(self.estimate.weights @ self.floor.rises(then))
+        waists = self._waist.move(sample, then, self.estimate, self.wish.zmp, rise)
+        heights = self._feet.heights + self.floor.rises(sample)
+        return self._legs.command(sample, waists, self._feet.turns, heights, self.floor.slope)

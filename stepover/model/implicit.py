@@ -1,0 +1,120 @@
+"""Accelerations that the next time step will bring, for springs and servos that are integrated implicitly.
+
+A joint that is driven by tau = P + ... - D a dt, with the acceleration a of the very step that tau acts in, moves as
+if it had the inertia D dt on top of its own (Tan, Liu, Turk 2011, "Stable proportional-derivative controllers").
+Pinocchio calls an inertia of a joint alone an armature, and solves for the accelerations with feet on the floor.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pinocchio as pin
+
+REGULARISATION = 1e-6
+"""Of the contact forces: four corners of a flat foot share them in more than one way."""
+ROUNDS = 3
+"""Of pinocchio's proximal iteration over them."""
+LOOKS = 3
+"""How often points that the floor would have to pull are taken out."""
+
+
+class Prediction:
+    """A floating-base robot with armatures, and points of its feet that may stand on the floor."""
+
+    def __init__(
+        self,
+        urdf: str,
+        joints: Sequence[str],
+        armature: np.ndarray,
+        points: Sequence[tuple[str, np.ndarray]],
+        step: float,
+    ) -> None:
+        """Build the model.
+
+        Args:
+            urdf: the robot's description itself.
+            joints: names of all joints, in the order of the arrays of acceleration.
+            armature: (J,) of each [kg m^2].
+            points: of each foot the joint that moves it, and the points (C, 3) in that joint's frame [m].
+            step: time [s] in which the floor stops a point.
+        """
+        self._stopping = pin.BaumgarteCorrectorParameters(0.0, 1.0 / step)
+        self._model = pin.buildModelFromXML(urdf, pin.JointModelFreeFlyer())
+        self._data = self._model.createData()
+        ids = [self._model.getJointId(joint) for joint in joints]
+        self._q = np.array([self._model.joints[i].idx_q for i in ids])
+        self._v = np.array([self._model.joints[i].idx_v for i in ids])
+        full = np.zeros(self._model.nv)
+        full[self._v] = armature
+        self._model.armature = full
+        self._feet = [(self._model.getJointId(joint), corners) for joint, corners in points]
+        self._settings = pin.ProximalSettings(1e-12, REGULARISATION, ROUNDS)
+        self._known: dict[tuple[int, ...], tuple] = {}
+        self._standing: tuple[int, ...] | None = None
+        self._state, self._speed, self._torque = pin.neutral(self._model), *np.zeros((2, self._model.nv))
+
+    def set_gravity(self, gravity: np.ndarray) -> None:
+        """Gravity (3,) in the world [m/s^2]."""
+        self._model.gravity.linear = gravity
+
+    def nearest(self, foot: int, places: np.ndarray) -> np.ndarray:
+        """Which points of a foot are nearest to places (n, 3) in the world, at the pose of the last acceleration."""
+        joint, corners = self._feet[foot]
+        here = self._data.oMi[joint]
+        local = (places - here.translation) @ here.rotation
+        return np.asarray(((local[:, None, :2] - corners[None, :, :2]) ** 2).sum(axis=2).argmin(axis=1))
+
+    def acceleration(
+        self,
+        base: np.ndarray,
+        twist: np.ndarray,
+        angles: np.ndarray,
+        speeds: np.ndarray,
+        torque: np.ndarray,
+        standing: tuple[int, ...],
+    ) -> np.ndarray:
+        """Joint accelerations (J,).
+
+        Args:
+            base: (7,) pose of the root.
+            twist: (6,) its velocity and angular velocity in its own axes.
+            angles: (J,) of all joints [rad, m].
+            speeds: (J,) of all joints [rad/s, m/s].
+            torque: (J,) on all joints [N m, N].
+            standing: points that may stand on the floor, counted through all feet in rising order. The floor holds
+                those that it need not pull.
+        """
+        self._state[:7], self._state[self._q] = base, angles
+        self._speed[:6], self._speed[self._v] = twist, speeds
+        self._torque[self._v] = torque
+        for look in range(LOOKS):
+            models, datas = self._contacts(standing)
+            result = pin.constraintDynamics(
+                self._model, self._data, self._state, self._speed, self._torque, models, datas, self._settings
+            )
+            held = tuple(k for k, data in zip(standing, datas, strict=True) if data.contact_force.linear[2] >= 0.0)
+            if len(held) == len(standing) or look == LOOKS - 1:
+                break
+            standing = held
+        return np.asarray(result[self._v])
+
+    def _contacts(self, standing: tuple[int, ...]) -> tuple:
+        """Pinocchio's constraints for points that the floor holds."""
+        if standing not in self._known:
+            places = [(joint, corner) for joint, corners in self._feet for corner in corners]
+            models, datas = pin.StdVec_RigidConstraintModel(), pin.StdVec_RigidConstraintData()
+            for k in standing:
+                joint, corner = places[k]
+                where, frame = pin.SE3(np.eye(3), corner), pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
+                model = pin.RigidConstraintModel(pin.ContactType.CONTACT_3D, self._model, joint, where, frame)
+                model.setBaumgarteCorrectorParameters(self._stopping)
+                models.append(model)
+                datas.append(model.createData())
+            self._known[standing] = models, datas
+        models, datas = self._known[standing]
+        if standing != self._standing:
+            pin.initConstraintDynamics(self._model, self._data, models, datas)
+            self._standing = standing
+        return models, datas

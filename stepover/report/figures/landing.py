@@ -1,0 +1,175 @@
+"""The landing of leg 1: Fig. 3, spline and polynomial, the vertical force, and what it depends on."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from stepover.model.robot import Robot
+from stepover.motion import Motion
+from stepover.report.figures.style import (
+    FIRST_STAGE,
+    OBSTACLE,
+    PHASES,
+    PLANNED,
+    REFERENCE,
+    SIMULATED,
+    WAIST,
+    numbered,
+    panels,
+    shade_phases,
+    styled,
+)
+from stepover.report.landing import NEAR_FLOOR, Curves, Profile
+from stepover.report.landing_force import AVERAGED, TOUCH_DOWN, Landing
+from stepover.report.landing_settings import NOISY
+from stepover.report.landing_study import Landed, Point
+from stepover.units.preview_control import GRAVITY
+
+COLOURS = (PLANNED, SIMULATED, FIRST_STAGE, WAIST)
+"""Shaped, naive, and others."""
+DASHES = ("-", "-", "--", ":")
+
+
+@styled
+def leg_1_landing(profiles: Mapping[str, Profile], motion: Motion) -> Figure:
+    """Fig. 3: height, vertical speed and pitch of leg 1 by swing; and the last of the descent, from nearby.
+
+    Args:
+        profiles: swings by the name that the legend shows.
+        motion: whose phases are shaded; time zero is its touch-down of leg 1.
+    """
+    figure, axes = panels(3, 5.8, columns=2)
+    landed = dataclasses.replace(motion, time=motion.time - motion.time[motion.samples(1).stop])
+    last, speeds, empty = axes[:, 1]
+    for (name, profile), colour, dashes in zip(profiles.items(), COLOURS, DASHES, strict=False):
+        time, down = profile.time - profile.time[-1], int(profile.height.argmax())
+        own = {"color": colour, "ls": dashes, "label": name}
+        for axis, values in zip(axes[:, 0], (profile.height, profile.speed, np.degrees(profile.pitch)), strict=True):
+            axis.plot(time, values, **own)
+        last.plot(1e3 * time[down:], 1e3 * profile.height[down:], **own)
+        speeds.plot(1e3 * profile.height[down:], -profile.speed[down:], **own)
+        near = profile.speed_near_floor()
+        speeds.plot(1e3 * NEAR_FLOOR, near, color=colour, marker="o", ms=4.5, ls="", label=f"{near:.3f} m/s")
+    for axis, label in zip(axes[:, 0], ("height [m]", "speed [m/s]", "pitch [deg]"), strict=True):
+        axis.set(ylabel=label, xlim=(landed.time[motion.samples(1).start] - 0.05, 0.15))
+        axis.margins(y=0.1)
+        shade_phases(axis, landed, "short" if axis is axes[0, 0] else "")
+    axes[2, 0].set_xlabel("time from touch-down [s]")
+    last.set(xlim=(-250, 0), ylim=(0, 60), xlabel="time from touch-down [ms]", ylabel="height [mm]")
+    speeds.axvline(1e3 * NEAR_FLOOR, color=OBSTACLE, ls=":", lw=1.0)
+    speeds.set(xlim=(0, 30), ylim=(0, None), xlabel="height above the floor [mm]", ylabel="descent [m/s]")
+    handles, labels = speeds.get_legend_handles_labels()
+    empty.legend([*handles[0::2], *handles[1::2]], [*labels[0::2], *labels[1::2]], loc="center", ncols=2,
+                 title=f"swing of leg 1, and its descent at {1e3 * NEAR_FLOOR:.0f} mm")  # fmt: skip
+    empty.axis("off")
+    titles = ["height", "the last 60 mm", "vertical speed", "how fast it comes down", "pitch, toe down"]
+    numbered(axes.ravel()[:5], titles)
+    return figure
+
+
+@styled
+def spline_and_polynomial(curves: Mapping[int, Curves], shown: int) -> Figure:
+    """III-B: both curves through the same control points; how far each overshoots, by the points of the landing.
+
+    Args:
+        curves: by the number of control points of the landing.
+        shown: which of them the left panel shows.
+    """
+    figure, axes = panels(1, 2.9, columns=2, width_ratios=[1.15, 1.0])
+    left, right = axes[0]
+    one = curves[shown]
+    left.plot(one.share, one.polynomial, color=SIMULATED, label="polynomial")
+    left.plot(one.share, one.spline, color=PLANNED, label="clamped cubic spline")
+    left.plot(*one.knots.T, color=REFERENCE, marker="o", mfc="white", ms=4.5, ls="", label="control points")
+    left.set(xlabel="share of the swing's time", ylabel="height [m]")
+    left.margins(y=0.08)
+    left.legend(loc="best")
+    for name, colour, marker in (("polynomial", SIMULATED, "s"), ("spline", PLANNED, "o")):
+        over = [1e3 * curve.overshoot(getattr(curve, name)) for curve in curves.values()]
+        right.plot(list(curves), over, color=colour, marker=marker, ms=4.0)
+    right.set(yscale="log", xlabel="control points of the landing", ylabel="overshoot [mm]")
+    right.set_xticks(list(curves))
+    right.margins(x=0.04)
+    numbered(axes, [f"{shown} control points in the landing", "furthest out of their range"])
+    return figure
+
+
+@styled
+def landing_forces(robot: Robot, landings: Mapping[Point, Landing], paper: Sequence[float]) -> Figure:
+    """The vertical force on leg 1's foot around the planned touch-down, a column for each variation.
+
+    Args:
+        robot: for its weight, double support and window.
+        landings: by what was simulated.
+        paper: the paper's forces [N].
+    """
+    variations = list(dict.fromkeys(point.variation for point in landings))
+    swings = list(dict.fromkeys((point.profile, point.swing_time) for point in landings))
+    window, both = 1e3 * robot.simulation.landing_window, 1e3 * robot.walk.double_support_over
+    figure, axes = panels(1, 3.4, columns=len(variations), sharey=True)
+    for axis, variation in zip(axes[0], variations, strict=True):
+        axis.axvspan(0.0, both, color=PHASES[2], alpha=0.12, lw=0, zorder=0)
+        axis.axvline(window, color=OBSTACLE, lw=0.7)
+        for point, landing in landings.items():
+            if point.variation == variation:
+                look = swings.index((point.profile, point.swing_time))
+                time, name = 1e3 * landing.time, f"{point.profile}, {point.swing_time:g} s"
+                axis.plot(time, landing.raw, color=COLOURS[look], lw=0.4, alpha=0.4)
+                axis.plot(time, landing.force, color=COLOURS[look], ls=DASHES[look], label=name)
+        _levels(axis, robot, paper)
+        if variation == NOISY:
+            axis.text(
+                0.97, 0.97, "peaks are the solver's", transform=axis.transAxes, ha="right", va="top", fontsize=8.5
+            )
+        axis.set(xlim=(-150, 250), xlabel="time from touch-down [ms]")
+    highest = max(float(landing.force.max()) for landing in landings.values())
+    axes[0, 0].set(ylim=(0, 1.1 * max(highest, *paper)), ylabel="vertical force [N]")
+    said = (f"floor on foot, mean over {1e3 * AVERAGED:.0f} ms, no other filter (thin: each time step); "
+            f"peaks are read until {window:.0f} ms")  # fmt: skip
+    figure.legend(*axes[0, -1].get_legend_handles_labels(), loc="outside lower center", ncols=5, title=said,
+                  title_fontsize=9, columnspacing=1.2)  # fmt: skip
+    numbered(axes, variations)
+    return figure
+
+
+@styled
+def landing_sensitivity(robot: Robot, rows: Sequence[Landed], paper: Sequence[float]) -> Figure:
+    """The touch-down alone and the peak of each variation, by swing.
+
+    Args:
+        robot: for its weight and window.
+        rows: of the stored table.
+        paper: the paper's forces [N].
+    """
+    names = list(dict.fromkeys(row.variation for row in rows))
+    swings = list(dict.fromkeys((row.profile, row.swing_time) for row in rows))
+    figure, axes = panels(1, 0.21 * len(names) + 1.1, columns=2, sharey=True)
+    for axis, value in zip(axes[0], ("touch_down", "peak"), strict=True):
+        _levels(axis, robot, paper, vertical=True)
+        for swing, colour, marker in zip(swings, COLOURS, "osD^", strict=False):
+            mine = [row for row in rows if (row.profile, row.swing_time) == swing and not row.fell]
+            forces = [getattr(row, value) for row in mine]
+            axis.plot(forces, [names.index(row.variation) for row in mine], color=colour, marker=marker, ms=4.5,
+                      mfc=colour if marker == "o" else "white", ls="", label=f"{swing[0]}, {swing[1]:g} s")  # fmt: skip
+        axis.set(xlabel="vertical force [N]", xlim=(0, None))
+    axes[0, 0].set_yticks(range(len(names)), names)
+    axes[0, 0].set_ylim(len(names) - 0.5, -0.5)
+    figure.legend(*axes[0, 1].get_legend_handles_labels(), loc="outside lower center", ncols=4)
+    window = 1e3 * robot.simulation.landing_window
+    titles = [f"touch-down: first {1e3 * TOUCH_DOWN:.0f} ms", f"peak: until {window:.0f} ms after touch-down"]
+    numbered(axes, titles)
+    return figure
+
+
+def _levels(axis: Axes, robot: Robot, paper: Sequence[float], vertical: bool = False) -> None:
+    """Lines at the weight and at the paper's forces."""
+    weight = robot.body.mass * GRAVITY
+    line = axis.axvline if vertical else axis.axhline
+    line(weight, color=REFERENCE, ls="--", lw=0.9, label=f"weight, {weight:.0f} N", zorder=1)
+    for force in paper:
+        line(force, color=OBSTACLE, ls=":", lw=1.2, zorder=1, label="the paper's" if force == paper[0] else None)

@@ -1,0 +1,75 @@
+"""Success over each disturbance, with and without the stabilizer."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from stepover.report.figures.style import PLANNED, REFERENCE, SIMULATED, numbered, panels, styled
+from stepover.report.robustness import Outcome
+from stepover.report.success_rates import EQUIPPED, MEASURES, Rate, binned, equipped, influences, rate
+
+COLOURS, MARKERS = {False: SIMULATED, True: PLANNED}, {False: "s", True: "o"}
+BINS = 5
+"""In which each disturbance is divided."""
+PANELS = 8
+"""Disturbances that are shown: those that matter most."""
+AIM = 0.95
+"""Success rate that is aimed at with the stabilizer."""
+
+
+@styled
+def robustness(rows: Sequence[Outcome]) -> Figure:
+    """The success rate of all, then over the disturbances that matter most; bars are Wilson's intervals of 95 %."""
+    figure, grid = panels(3, 5.6, columns=3, sharey=True)
+    axes, shown = grid.ravel(), most_influential(rows)
+    for place, (stabilizer, name) in enumerate(EQUIPPED.items()):
+        total = rate(equipped(rows, stabilizer))
+        _bar(axes[0], place, total, stabilizer, f"{name}, {total.of} draws")
+        axes[0].text(
+            place + 0.12, total.share, f"{1e2 * total.share:.0f} %", ha="left", va="center",
+            bbox={"facecolor": "white", "lw": 0, "pad": 1.0},
+        )  # fmt: skip
+    axes[0].set_xticks([0, 1], [name.split()[0] for name in EQUIPPED.values()])
+    axes[0].tick_params(axis="x", length=0)
+    axes[0].set(xlim=(-0.5, 1.6), xlabel="stabilizer")
+    for axis, measure in zip(axes[1:], shown, strict=True):
+        values = [MEASURES[measure](row) for row in rows]
+        edges = np.linspace(min(values), max(values), BINS + 1)
+        for stabilizer, shift in ((False, -0.07), (True, 0.07)):
+            found = binned(equipped(rows, stabilizer), measure, edges)
+            x = np.array([value for value, _ in found]) + shift * (edges[1] - edges[0])
+            axis.plot(x, [each.share for _, each in found], color=COLOURS[stabilizer], lw=0.9, alpha=0.6)
+            for at, (_, each) in zip(x, found, strict=True):
+                _bar(axis, float(at), each, stabilizer)
+        axis.set(xlabel=measure)
+        axis.margins(x=0.06)
+    for axis in axes:
+        axis.axhline(AIM, color=REFERENCE, lw=0.7, ls=":", label="95 %, the aim" if axis is axes[0] else None)
+        axis.set_ylim(-0.04, 1.04)
+        axis.set_yticks([0.0, 0.25, 0.5, 0.75, 1.0], ["0", "25", "50", "75", "100"])
+    for row in grid:
+        row[0].set_ylabel("success [%]")
+    numbered(axes, ["all draws", *[""] * len(shown)])
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside upper center", ncols=3)
+    return figure
+
+
+def most_influential(rows: Sequence[Outcome]) -> list[str]:
+    """The disturbances that matter most, with the stabilizer or without it; in their order where none is known to."""
+    least = dict.fromkeys(MEASURES, 1.0)
+    for stabilizer in EQUIPPED:
+        for one in influences(equipped(rows, stabilizer)):
+            least[one.measure] = min(least[one.measure], one.p)
+    return sorted(MEASURES, key=least.__getitem__)[:PANELS]
+
+
+def _bar(axis: Axes, x: float, found: Rate, stabilizer: bool, label: str | None = None) -> None:
+    """A rate with its interval."""
+    low, high = found.interval
+    colour = COLOURS[stabilizer]
+    axis.plot([x, x], [low, high], color=colour, lw=1.0)
+    axis.plot(x, found.share, color=colour, marker=MARKERS[stabilizer], ms=4.0, ls="", label=label)

@@ -1,0 +1,144 @@
+"""What the force at landing depends on: the stored table, and whether that agrees anew. Sec. III-B.
+
+The stored table, figures/landing.csv, is made by `make studies`: three swings of leg 1 for each variation of motors,
+soles, floor and control. The hash of each motion tells whether it is still planned so today.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+
+from stepover import __version__
+from stepover.model.obstacle import Obstacle
+from stepover.motion import Motion
+from stepover.report.landing import NAIVE, SAME_APEX, SHAPED, landing_motion
+from stepover.report.landing_force import Landing
+from stepover.report.landing_settings import BASES, VARIATIONS
+from stepover.report.studies import Row, make_table, read_rows, robot_of, rounded, stored_table
+
+NAME = "landing"
+HEIGHT, WIDTH = 0.15, 0.05
+"""Of the paper's obstacle [m]."""
+LONG, SHORT = 1.5, 0.78
+"""Swing times: of leg 1 and of a normal step (Sec. V) [s]."""
+SWINGS = ((SHAPED, LONG), (NAIVE, LONG), (NAIVE, SHORT))
+"""Each variation is simulated with these."""
+MORE_SWINGS = ((SAME_APEX, LONG), (SHAPED, SHORT))
+"""And both base cases with these as well."""
+
+
+@dataclass(frozen=True)
+class Point:
+    """One landing of the study.
+
+    Attributes:
+        variation: one of VARIATIONS.
+        profile, swing_time: as in landing_motion.
+        robot: its name.
+        physics: whether it is simulated.
+    """
+
+    variation: str
+    profile: str
+    swing_time: float
+    robot: str = "hrp2"
+    physics: bool = True
+
+
+@dataclass(frozen=True)
+class Landed:
+    """What became of one landing; a row of the table. Values that do not exist are None.
+
+    Attributes:
+        robot, version, variation, profile, swing_time: what was simulated.
+        motion: hash of the motion.
+        contact: first contact, after the planned touch-down [s].
+        speed: descent of the ankle just before [m/s].
+        touch_down, peak, later: forces, means over 5 ms [N]: see landing_force.Landing.
+        fell: why the robot counts as fallen.
+    """
+
+    robot: str
+    version: str
+    variation: str
+    profile: str
+    swing_time: float
+    motion: str
+    contact: float | None = None
+    speed: float | None = None
+    touch_down: float | None = None
+    peak: float | None = None
+    later: float | None = None
+    fell: str = ""
+
+
+def points() -> list[Point]:
+    """Points of the stored table."""
+    every = [Point(name, *swing) for name in VARIATIONS for swing in SWINGS]
+    return every + [Point(name, *swing) for name in BASES for swing in MORE_SWINGS]
+
+
+@lru_cache(maxsize=8)
+def motion_of(robot: str, profile: str, swing_time: float) -> Motion:
+    """The motion over the paper's obstacle, made once a process."""
+    return landing_motion(robot_of(robot), Obstacle(HEIGHT, WIDTH), profile, swing_time)
+
+
+def landing_of(point: Point) -> Landing:
+    """Let one motion land."""
+    motion = motion_of(point.robot, point.profile, point.swing_time)
+    return VARIATIONS[point.variation].land(robot_of(point.robot), motion)
+
+
+def row_of(point: Point, landing: Landing | None) -> Landed:
+    """The row of a point, and of what became of it if that was simulated."""
+    motion = motion_of(point.robot, point.profile, point.swing_time)
+    row = Landed(point.robot, __version__, point.variation, point.profile, point.swing_time, motion.hash())
+    if landing is None:
+        return row
+    values = {name: rounded(getattr(landing, name)) for name in ("contact", "speed", "touch_down", "peak", "later")}
+    known = {name: value for name, value in values.items() if not np.isnan(value)}
+    return dataclasses.replace(row, fell=landing.fell, **known)  # type: ignore[arg-type]
+
+
+def carry_out(point: Point) -> Row:
+    """Let one motion land: a row for run_study."""
+    return dataclasses.asdict(row_of(point, landing_of(point) if point.physics else None))
+
+
+def study(path: Path | None = None, build: Path | None = None, workers: int | None = None) -> Path:
+    """Run or resume the study, and write its table: see make_table."""
+    files = [Path(__file__).with_name(f"landing{part}.py") for part in ("", "_control", "_force", "_settings")]
+    own = [hashlib.sha256(file.read_bytes()).hexdigest() for file in files]
+    return make_table(NAME, points(), carry_out, Landed, path, build, workers, own)
+
+
+def read_table(path: Path | None = None) -> list[Landed]:
+    """Rows of a table, of the stored one unless another is given."""
+    return read_rows(Landed, path or stored_table(NAME))
+
+
+def at(rows: Sequence[Landed], point: Point) -> Landed:
+    """The row of a point.
+
+    Raises:
+        KeyError: there is none.
+    """
+    for row in rows:
+        if (row.variation, row.profile, row.swing_time) == (point.variation, point.profile, point.swing_time):
+            return row
+    raise KeyError(point)
+
+
+def agrees(rows: Sequence[Landed], point: Point, landing: Landing | None = None) -> bool:
+    """Whether a landing that was simulated anew, or without one the motion alone, is that of the stored row."""
+    new, then = row_of(point, landing), at(rows, point)
+    names = ["motion"] if landing is None else ["motion", "contact", "touch_down", "peak", "later"]
+    return all(getattr(new, name) == getattr(then, name) for name in names)

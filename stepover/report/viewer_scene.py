@@ -1,0 +1,166 @@
+"""What a motion's 3-D view shows, as plain values: solids, lines, traces, how they move, and from where they are seen.
+
+See viewer, which hands them to meshcat.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import combinations
+from typing import NamedTuple
+
+import numpy as np
+
+from stepover.model import pose
+from stepover.model.robot import Robot
+from stepover.model.support import corners_on_floor
+from stepover.motion import Motion
+from stepover.report.figures.style import FIRST_STAGE, LEFT, OBSTACLE, PLANNED, RIGHT
+
+RATE = 50.0
+"""Poses a second; the browser interpolates between them, and the feet stay where they are to a millimetre."""
+COM, ZMP = FIRST_STAGE, PLANNED
+BODY, FLOOR = "#D6D8DD", ("#F3F4F6", "#DCE0E6")
+LEGEND = {LEFT: "left", RIGHT: "right", COM: "CoM, and its projection", ZMP: "ZMP", OBSTACLE: "obstacle, margin"}
+TILE_SIZE, AROUND = 0.25, (1.0, 1.25)
+"""m: size of the floor's tiles, and how far it reaches beyond the way, ahead and aside."""
+DRAWN_HALF_WIDTH = 0.45
+"""m; the obstacle is drawn less wide along y than it is, so that its near end does not hide the feet."""
+TRACE = 0.010
+"""m, width of a trace."""
+LENS, EYE, TARGET_HEIGHT = 28.0, (-0.8, -4.5, 1.15), 0.70
+"""Camera: vertical angle [deg]; where it stands against what it looks at, to the right of the way and a little above
+[m]; the height it looks at, in the middle of the way [m]."""
+LIFT = 0.002
+"""m, between surfaces that would otherwise lie in each other and flicker."""
+
+
+class Solid(NamedTuple):
+    """Convex hulls of corners (V, 3) each."""
+
+    name: str
+    hulls: list[np.ndarray]
+    colour: str
+    opacity: float = 1.0
+
+
+class Lines(NamedTuple):
+    """Thin lines between pairs of points (2 L, 3)."""
+
+    name: str
+    ends: np.ndarray
+    colour: str
+
+
+class Trace(NamedTuple):
+    """Where something is at every sample (N, 3): its way, and a ball that runs along it."""
+
+    name: str
+    points: np.ndarray
+    colour: str
+
+
+class Move(NamedTuple):
+    """Positions (M, 3) and, for what turns, quaternions (M, 4)."""
+
+    positions: np.ndarray
+    quaternions: np.ndarray | None = None
+
+
+class Camera(NamedTuple):
+    """Vertical angle [deg], the point it looks at, and where it stands against that [m]."""
+
+    lens: float
+    target: tuple[float, float, float]
+    eye: tuple[float, float, float]
+
+
+def camera(motion: Motion) -> Camera:
+    """The whole way, from the side."""
+    return Camera(LENS, ((motion.waist[0, 0] + motion.waist[-1, 0]) / 2.0, 0.0, TARGET_HEIGHT), EYE)
+
+
+def surroundings(robot: Robot, motion: Motion) -> Iterator[Solid | Lines]:
+    """Floor, obstacle, margins, and the soles wherever they stand."""
+    x = np.arange(motion.waist[:, 0].min() - AROUND[0], motion.waist[:, 0].max() + AROUND[0], TILE_SIZE)
+    y = np.arange(-AROUND[1], AROUND[1], TILE_SIZE)
+    for kind, colour in enumerate(FLOOR):
+        lows = [(a, b) for i, a in enumerate(x) for k, b in enumerate(y) if (i + k) % 2 == kind]
+        tiles = [_box((a, b, -2.0 * LIFT), (a + TILE_SIZE, b + TILE_SIZE, -LIFT)) for a, b in lows]
+        yield Solid(f"floor/{kind}", tiles, colour)
+    front, width, height, beside, above = motion.obstacle[:5]
+    aside = DRAWN_HALF_WIDTH
+    yield Solid("obstacle", [_box((front, -aside, 0.0), (front + width, aside, height))], OBSTACLE)
+    if beside > 0.0 or above > 0.0:
+        aside -= LIFT
+        margin = _box((front - beside, -aside, 0.0), (front + width + beside, aside, height + above))
+        yield Solid("margin/inside", [margin], OBSTACLE, opacity=0.3)
+        yield Lines("margin/edges", _edges(margin), OBSTACLE)
+    for name, side, colour in (("left", 1, LEFT), ("right", -1, RIGHT)):
+        for k, sole in enumerate(soles(motion, side)):
+            yield from _print(f"soles/{name} {k}", corners_on_floor(robot, side, sole), colour)
+
+
+def soles(motion: Motion, side: int) -> np.ndarray:
+    """Poses (K, 7) in which a sole stands on the floor, the first one at the start."""
+    steps = motion.footsteps[motion.footsteps[:, 1] == side]
+    places = pose.pose(np.column_stack([steps[:, 2:4], np.zeros(len(steps))]), steps[:, 4])
+    return np.vstack([motion.foot(side)[0], places])
+
+
+def _print(name: str, corners: np.ndarray, colour: str) -> Iterator[Solid | Lines]:
+    """What a sole leaves on the floor, from its corners (4, 2): one that overlaps another can be told from it."""
+    low, high = (np.column_stack([corners, np.full(4, z)]) for z in (-LIFT, 0.0))
+    yield Solid(f"{name}/inside", [np.vstack([low, high])], colour, opacity=0.6)
+    yield Lines(f"{name}/edges", high[[0, 1, 1, 2, 2, 3, 3, 0]], colour)
+
+
+def _box(low: tuple[float, ...], high: tuple[float, ...]) -> np.ndarray:
+    """Corners (8, 3) of a box between two of them."""
+    return np.array(np.meshgrid(*zip(low, high, strict=True))).reshape(3, -1).T
+
+
+def _edges(corners: np.ndarray) -> np.ndarray:
+    """Ends (24, 3) of the edges of a box: pairs of corners that differ in one coordinate."""
+    return np.array([pair for pair in combinations(corners, 2) if (pair[0] != pair[1]).sum() == 1]).reshape(-1, 3)
+
+
+def links(robot: Robot) -> Iterator[Solid]:
+    """The robot, in the frames of its joints; the legs in the colours of their soles."""
+    sides = ((robot.legs.left, LEFT), (robot.legs.right, RIGHT))
+    legs = {robot.body.index(joint): colour for joints, colour in sides for joint in joints}
+    for joint, name in _moved(robot).items():
+        hulls = [shape.vertices for shape in robot.shapes if shape.joint == joint]
+        yield Solid(name, hulls, legs.get(joint, BODY))
+
+
+def _moved(robot: Robot) -> dict[int, str]:
+    """What each joint moves, by the joint's index in Placements."""
+    return {shape.joint: f"robot/{shape.link}" for shape in robot.shapes}
+
+
+def traces(motion: Motion) -> Iterator[Trace]:
+    """ZMP, CoM and its projection; what lies on the floor lies on the soles' prints too."""
+    floor = np.full(len(motion.time), TRACE)
+    yield Trace("CoM", motion.com, COM)
+    yield Trace("CoM's projection", np.column_stack([motion.com[:, :2], floor]), COM)
+    yield Trace("ZMP", np.column_stack([motion.zmp, floor + LIFT]), ZMP)
+
+
+def evenly(points: np.ndarray, apart: float) -> np.ndarray:
+    """Points (M, 3) along a way (N, 3) as far apart as asked for, however fast it was gone."""
+    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    places = np.linspace(0.0, along[-1], 1 + int(np.ceil(along[-1] / apart)))
+    return np.column_stack([np.interp(places, along, column) for column in points.T])
+
+
+def moves(robot: Robot, motion: Motion) -> tuple[np.ndarray, dict[str, Move]]:
+    """Times (M,) since the first sample [s], RATE a second and the last one; where links and balls are then."""
+    stride = max(1, round(1.0 / (RATE * motion.dt)))
+    samples = np.unique(np.append(np.arange(0, len(motion.time), stride), len(motion.time) - 1))
+    placed = robot.body.placements(motion.q[samples])
+    result = {f"{trace.name}/now": Move(trace.points[samples]) for trace in traces(motion)}
+    for joint, name in _moved(robot).items():
+        poses = pose.from_matrices(placed.rotations[:, joint], placed.positions[:, joint])
+        result[name] = Move(poses[:, :3], poses[:, 3:])
+    return motion.time[samples] - motion.time[0], result

@@ -1,0 +1,147 @@
+"""What may be otherwise than planned: each disturbance with its unit, its sign and its range."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
+from typing import Any
+
+import numpy as np
+
+from stepover.errors import InvalidInput
+from stepover.motion import Motion
+from stepover.units.preview_control import GRAVITY
+
+GROUND_RANGE = (-0.05, 0.05)
+"""m: of the floor's height under a foothold."""
+
+
+def _of(what: str, unit: str, low: float, high: float, default: float | None = 0.0) -> Any:
+    """A disturbance with what is said of it."""
+    return field(default=default, metadata={"what": what, "unit": unit, "low": low, "high": high})
+
+
+@dataclass(frozen=True)
+class Disturbances:
+    """Everything that may be otherwise; what is not named is as planned. Each field's metadata has unit and range.
+
+    Attributes:
+        footholds: heights of the floor under the planned footholds that are named ground_1, ground_2 ... in the order
+            of the motion's footsteps, as (number from 1, height [m]).
+    """
+
+    friction: float | None = _of("friction between everything, instead of robot.toml's", "1", 0.01, 2.0, None)
+    ground_leg_1: float = _of("floor under the foothold of leg 1, higher", "m", *GROUND_RANGE)
+    ground_leg_2: float = _of("floor under the foothold of leg 2, higher", "m", *GROUND_RANGE)
+    slope_ahead: float = _of("the floor rises ahead; the obstacle stands on it", "deg", -10.0, 10.0)
+    slope_left: float = _of("the floor rises to the left", "deg", -10.0, 10.0)
+    chest_mass: float = _of("more mass at the chest's centre, as a share of the robot's whole mass", "1", -0.15, 0.5)
+    chest_com_x: float = _of("centre of mass of the chest further ahead", "m", -0.1, 0.1)
+    obstacle_x: float = _of("the obstacle stands further ahead", "m", -0.5, 0.5)
+    obstacle_height: float = _of("the obstacle is higher", "m", -0.3, 0.3)
+    push_x: float = _of("push at the waist, ahead", "N", -2000.0, 2000.0)
+    push_y: float = _of("push at the waist, to the left", "N", -2000.0, 2000.0)
+    push_time: float = _of("when the push begins", "s", 0.0, 1000.0)
+    push_duration: float = _of("how long it lasts", "s", 0.001, 10.0, 0.1)
+    latency: float = _of("what the robot senses is older by this, on top of one period", "s", 0.0, 0.1)
+    noise_joints: float = _of("standard deviation of the sensed joint angles", "rad", 0.0, 0.1)
+    noise_attitude: float = _of("standard deviation of the sensed attitude", "deg", 0.0, 10.0)
+    noise_rate: float = _of("standard deviation of the sensed angular velocity", "rad/s", 0.0, 1.0)
+    noise_force: float = _of("standard deviation of the sensed forces", "N", 0.0, 100.0)
+    noise_moment: float = _of("standard deviation of the sensed moments", "N m", 0.0, 20.0)
+    seed: float = _of("seed of the noise, a whole number", "1", 0.0, 2.0**32 - 1.0)
+    footholds: tuple[tuple[int, float], ...] = ()
+
+    @staticmethod
+    def read(values: Mapping[str, float], motion: Motion) -> Disturbances:
+        """Make them out of names and numbers.
+
+        Raises:
+            InvalidInput: an unknown name, a value outside its range, a foothold that the motion has not.
+        """
+        known = {f.name: f.metadata for f in fields(Disturbances) if f.metadata}
+        named, footholds = {}, []
+        for name, value in values.items():
+            match = re.fullmatch(r"ground_([1-9]\d*)", name)
+            if match and int(match[1]) <= len(motion.footsteps):
+                footholds.append((int(match[1]), _checked(name, value, "m", *GROUND_RANGE)))
+            elif name in known:
+                about = known[name]
+                named[name] = _checked(name, value, about["unit"], about["low"], about["high"])
+            else:
+                last = f"ground_1 to ground_{len(motion.footsteps)}"
+                raise InvalidInput(
+                    f"disturbance {name!r} is not available; available: {', '.join(known)}, {last} (one a foothold)"
+                )
+        if named.get("seed", 0.0) != int(named.get("seed", 0.0)):
+            raise InvalidInput(f"seed = {named['seed']:g} must be a whole number")
+        return Disturbances(**named, footholds=tuple(sorted(footholds)))
+
+    @property
+    def gravity(self) -> np.ndarray:
+        """Gravity (3,) in the frame of the floor, whose z axis is its normal [m/s^2].
+
+        The floor is held level and gravity is turned: so the obstacle, the plan and all that is measured stay in one
+        frame.
+        """
+        down = np.array([-np.tan(np.radians(self.slope_ahead)), -np.tan(np.radians(self.slope_left)), -1.0])
+        return GRAVITY * down / np.linalg.norm(down)
+
+    def obstacle(self, row: np.ndarray) -> np.ndarray:
+        """Where an obstacle (6,) of a motion really stands, and how high.
+
+        Raises:
+            InvalidInput: nothing of it would be left.
+        """
+        if row[2] + self.obstacle_height <= 0.0:
+            raise InvalidInput(f"obstacle_height = {self.obstacle_height:g} m: the obstacle is {row[2]:g} m high")
+        changed = row.copy()
+        changed[0] += self.obstacle_x
+        changed[2] += self.obstacle_height
+        return changed
+
+    def floor(self, motion: Motion) -> np.ndarray:
+        """Height (K,) of the floor under every foothold of a motion [m]; the numbered ones count on top."""
+        heights = np.zeros(len(motion.footsteps))
+        for kind, height in ((2, self.ground_leg_1), (3, self.ground_leg_2)):
+            heights[motion.footsteps[:, 5] == kind] += height
+        for number, height in self.footholds:
+            heights[number - 1] += height
+        return heights
+
+    def push(self, time: float) -> np.ndarray:
+        """Force (3,) on the waist at a time [N]."""
+        acts = self.push_time - 1e-9 <= time < self.push_time + self.push_duration - 1e-9
+        return np.array([self.push_x, self.push_y, 0.0]) if acts else np.zeros(3)
+
+    @property
+    def pushes(self) -> bool:
+        """Whether there is a push at all."""
+        return bool(self.push_x or self.push_y)
+
+    @property
+    def loads(self) -> bool:
+        """Whether the chest differs from the model's."""
+        return bool(self.chest_mass or self.chest_com_x)
+
+
+NONE = Disturbances()
+"""Everything as planned."""
+
+
+def explained() -> list[tuple[str, str]]:
+    """All disturbances by name, with unit, meaning and range: for --help."""
+    known = [(f.name, f.metadata) for f in fields(Disturbances) if f.metadata]
+    rows = [(name, f"[{m['unit']}] {m['what']}; {m['low']:g} to {m['high']:g}") for name, m in known]
+    low, high = GROUND_RANGE
+    return [*rows, ("ground_1, ...", f"[m] floor under each foothold in its turn, higher; {low:g} to {high:g}")]
+
+
+def _checked(name: str, value: float, unit: str, low: float, high: float) -> float:
+    """A value within its range."""
+    number = isinstance(value, int | float | np.number) and not isinstance(value, bool)
+    if not number or not low <= value <= high:
+        unit = "" if unit == "1" else f" {unit}"
+        raise InvalidInput(f"{name} = {value!r} must be a number from {low:g} to {high:g}{unit}")
+    return float(value)

@@ -1,0 +1,72 @@
+"""What the robot's sensors read in the simulation: with noise, and late."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stepover.control.sensors import Sensed
+from stepover.model.pose import Rotation
+from stepover.model.robot import Robot
+from stepover.simulation.disturbances import Disturbances
+from stepover.simulation.touch import Touch
+from stepover.simulation.world import World
+
+
+class Senses:
+    """Encoders, IMU with an attitude filter, and a six-axis sensor in each ankle, read once a sample of the motion."""
+
+    def __init__(self, robot: Robot, world: World, disturbances: Disturbances, period: float) -> None:
+        """Begin with the robot at rest; period [s] between readings."""
+        self._world, self._disturbances, self._period = world, disturbances, period
+        self._ankles = [world.joints[robot.body.column(robot.leg(side).joints[-1]) - 7] for side in (1, -1)]
+        self._random = np.random.default_rng(int(disturbances.seed))
+        self._upright = _upright(disturbances.gravity)
+        self._readings: list[Sensed] = []
+
+    def read(self, touch: Touch) -> None:
+        """Take the readings of now."""
+        d, add = self._disturbances, self._noise
+        angles, _ = self._world.joint_motion(self._world.joints)
+        pose, twist = self._world.base_motion()
+        shake = Rotation.from_rotvec(add(np.zeros(3), np.radians(d.noise_attitude)))
+        attitude = self._upright * Rotation.from_quat(pose[3:]) * shake
+        wrenches = [self._at_ankle(link, wrench) for link, wrench in zip(self._ankles, touch.feet, strict=True)]
+        noisy = [np.concatenate([add(w[:3], d.noise_force), add(w[3:], d.noise_moment)]) for w in wrenches]
+        self._readings.append(
+            Sensed(add(angles, d.noise_joints), attitude.as_quat(), add(twist[3:], d.noise_rate), noisy[0], noisy[1])
+        )
+
+    def late(self, age: float) -> Sensed:
+        """Readings of a while ago [s], and of the disturbances' latency before that; those of the start before it."""
+        back = (age + self._disturbances.latency) / self._period
+        whole = int(np.ceil(back - 1e-9))
+        older, newer = (self._readings[max(len(self._readings) - 1 - n, 0)] for n in (whole, max(whole - 1, 0)))
+        share = whole - back
+        return newer if whole == 0 else older if share < 1e-9 else _between(older, newer, share)
+
+    def _at_ankle(self, link: int, wrench: np.ndarray) -> np.ndarray:
+        """A wrench about the world's origin as the sensor in an ankle has it."""
+        place, axes = self._world.link_frame(link)
+        moment = wrench[3:] - np.cross(place, wrench[:3])
+        return np.concatenate([wrench[:3] @ axes, moment @ axes])
+
+    def _noise(self, value: np.ndarray, deviation: float) -> np.ndarray:
+        """A value with normal noise; no number is drawn where there is none."""
+        return value + self._random.normal(0.0, deviation, np.shape(value)) if deviation > 0.0 else value
+
+
+def _upright(gravity: np.ndarray) -> Rotation:
+    """Turns the floor's frame so that gravity (3,) points down: what an IMU calls level is not the floor."""
+    up = -gravity / np.linalg.norm(gravity)
+    return Rotation.from_quat([*np.cross(up, [0.0, 0.0, 1.0]), 1.0 + up[2]])
+
+
+def _between(older: Sensed, newer: Sensed, share: float) -> Sensed:
+    """Readings at a share of the way from older to newer ones."""
+    near = older.attitude if older.attitude @ newer.attitude >= 0.0 else -older.attitude
+    attitude = near + share * (newer.attitude - near)
+    blend = [
+        getattr(older, name) + share * (getattr(newer, name) - getattr(older, name))
+        for name in ("joints", "rate", "left_wrench", "right_wrench")
+    ]
+    return Sensed(blend[0], attitude / np.linalg.norm(attitude), *blend[1:])
