@@ -1,9 +1,9 @@
-"""The force under leg 1 when it lands, at every time step of the physics; with or without what a robot has.
+"""The force under leg 1 when it lands, at every time step of the physics, with or without what a robot has.
 
 The floor's vertical force on the landing foot is read at every time step and averaged over the 5 ms that end there;
-there is no other filter. The peak is looked for from the middle of the swing until the landing window of simulate
-after the planned touch-down; that of the touch-down itself in the first moments after the first contact, before the
-weight has moved over. The series go on for a while.
+there is no other filter. The peak is the largest from the middle of the swing until the weight has moved over: on
+rubber that takes longer than the landing window of simulate, at whose end the force still rises. The touch-down
+alone is the largest in the first moments after the first contact.
 """
 
 from __future__ import annotations
@@ -32,8 +32,8 @@ TOUCHED = 20.0
 """N, a mean over AVERAGED: from there on the foot touches the floor."""
 TOUCH_DOWN = 0.03
 """s after the first contact that count as the touch-down."""
-LATER = 0.25
-"""s after the planned touch-down: so long the force is recorded."""
+SETTLED = 0.25
+"""s after the planned touch-down, by which the weight has moved over: so long the force is read."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,8 +48,8 @@ class Landing:
         contact: time of the first contact [s].
         speed: the foot's descent just before that, a mean over AVERAGED [m/s].
         touch_down: largest force (a mean) in the first TOUCH_DOWN of contact [N].
-        peak: largest force (a mean) until the end of the landing window [N].
-        later: largest force (a mean) after that, while it is recorded [N].
+        peak: largest force (a mean) at all [N].
+        peak_time: when [s].
         fell: why the robot counts as fallen until then; empty where it stands.
     """
 
@@ -61,7 +61,7 @@ class Landing:
     speed: float
     touch_down: float
     peak: float
-    later: float
+    peak_time: float
     fell: str
 
 
@@ -88,7 +88,7 @@ def land(
     """
     disturbances, dt = Disturbances.read(perturb or {}, motion), robot.simulation.time_step
     steps, touch_down = steps_a_sample(motion, dt), motion.samples(1).stop
-    last = touch_down + round(LATER / motion.dt)
+    last = touch_down + round(SETTLED / motion.dt)
     row = 0 if motion.support[touch_down - 1] < 0 else 1
     forces, heights, fell = np.zeros((2, last, steps)), np.zeros((last, steps)), ""
     with World(robot, motion.obstacle, sole, disturbances) as world:
@@ -121,38 +121,32 @@ def land(
     time = (np.arange(last * steps) + 1) * dt - touch_down * motion.dt
     shown = time > -(touch_down - motion.samples(1).start) * motion.dt / 2.0
     weight = robot.body.mass * GRAVITY
-    window = robot.simulation.landing_window
-    return measured(time[shown], forces[row].ravel()[shown], heights.ravel()[shown], window, weight, fell)
+    return measured(time[shown], forces[row].ravel()[shown], heights.ravel()[shown], weight, fell)
 
 
-def measured(
-    time: np.ndarray, raw: np.ndarray, heights: np.ndarray, window: float, weight: float, fell: str = ""
-) -> Landing:
+def measured(time: np.ndarray, raw: np.ndarray, heights: np.ndarray, weight: float, fell: str = "") -> Landing:
     """Read contact and peaks out of the vertical force.
 
     Args:
         time: (n,) of the ends of the time steps, zero at the planned touch-down [s].
         raw: (n,) force in each [N].
         heights: (n,) of the ankle at its end [m].
-        window: time after the planned touch-down in which the peak is looked for [s].
         weight: of the robot [N].
         fell: why it counts as fallen.
     """
     dt = float(time[1] - time[0])
     count = round(AVERAGED / dt)
     force = np.convolve(raw, np.full(count, 1.0 / count))[: len(raw)]
-    inside = time <= window + 1e-9
-    touching = np.flatnonzero(inside & (force > TOUCHED))
-    later = float(force[~inside].max(initial=0.0))
+    touching = np.flatnonzero(force > TOUCHED)
     if len(touching) == 0:
         nothing = float("nan")
-        return Landing(time, raw, force, weight, nothing, nothing, nothing, nothing, later, fell)
-    first = int(touching[0])
+        return Landing(time, raw, force, weight, nothing, nothing, nothing, nothing, nothing, fell)
+    first, highest = int(touching[0]), int(force.argmax())
     free = max(first - count, count)  # the whole mean lies before the first contact
     speed = float(heights[free - count] - heights[free]) / (count * dt)
-    early = force[first : first + round(TOUCH_DOWN / dt)]
-    peak = float(force[inside].max())
-    return Landing(time, raw, force, weight, float(time[first]), speed, float(early.max()), peak, later, fell)
+    early = float(force[first : first + round(TOUCH_DOWN / dt)].max())
+    peak, when = float(force[highest]), float(time[highest])
+    return Landing(time, raw, force, weight, float(time[first]), speed, early, peak, when, fell)
 
 
 def _guide(

@@ -33,6 +33,9 @@ SWINGS = ((SHAPED, LONG), (NAIVE, LONG), (NAIVE, SHORT))
 MORE_SWINGS = ((SAME_APEX, LONG), (SHAPED, SHORT))
 """And both base cases with these as well."""
 
+MEASURED = ("contact", "speed", "touch_down", "peak", "peak_time")
+"""What a row keeps of a landing, as landing_force.Landing has it."""
+
 
 @dataclass(frozen=True)
 class Point:
@@ -61,7 +64,8 @@ class Landed:
         motion: hash of the motion.
         contact: first contact, after the planned touch-down [s].
         speed: descent of the ankle just before [m/s].
-        touch_down, peak, later: forces, means over 5 ms [N]: see landing_force.Landing.
+        touch_down, peak: forces, means over 5 ms [N]: see landing_force.Landing.
+        peak_time: when, after the planned touch-down [s].
         fell: why the robot counts as fallen.
     """
 
@@ -75,7 +79,7 @@ class Landed:
     speed: float | None = None
     touch_down: float | None = None
     peak: float | None = None
-    later: float | None = None
+    peak_time: float | None = None
     fell: str = ""
 
 
@@ -103,7 +107,7 @@ def row_of(point: Point, landing: Landing | None) -> Landed:
     row = Landed(point.robot, __version__, point.variation, point.profile, point.swing_time, motion.hash())
     if landing is None:
         return row
-    values = {name: rounded(getattr(landing, name)) for name in ("contact", "speed", "touch_down", "peak", "later")}
+    values = {name: rounded(getattr(landing, name)) for name in MEASURED}
     known = {name: value for name, value in values.items() if not np.isnan(value)}
     return dataclasses.replace(row, fell=landing.fell, **known)  # type: ignore[arg-type]
 
@@ -140,5 +144,5 @@ def at(rows: Sequence[Landed], point: Point) -> Landed:
 def agrees(rows: Sequence[Landed], point: Point, landing: Landing | None = None) -> bool:
     """Whether a landing that was simulated anew, or without one the motion alone, is that of the stored row."""
     new, then = row_of(point, landing), at(rows, point)
-    names = ["motion"] if landing is None else ["motion", "contact", "touch_down", "peak", "later"]
+    names = ["motion"] if landing is None else ["motion", "fell", *MEASURED]
     return all(getattr(new, name) == getattr(then, name) for name in names)

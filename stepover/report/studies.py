@@ -174,8 +174,9 @@ def run_all(studies: Iterable[Callable[[], Path]]) -> None:
 
 
 if __name__ == "__main__":
+    from stepover.report.landing_study import study as landing
     from stepover.report.plane import study as obstacle_plane
     from stepover.report.robustness import study as robustness
     from stepover.report.strategy_study import study as strategies
 
-    run_all([obstacle_plane, strategies, robustness])
+    run_all([obstacle_plane, strategies, robustness, landing])

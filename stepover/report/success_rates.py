@@ -7,10 +7,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.stats import binomtest, ks_2samp
+from scipy.stats import binomtest, ks_2samp, spearmanr
 
 from stepover.report.robustness import Outcome
-from stepover.report.tables import Table, table
 
 CONFIDENCE = 0.95
 """Of the intervals."""
@@ -32,13 +31,14 @@ MEASURES: Mapping[str, Callable[[Outcome], float]] = {
     "mass on the chest [%]": lambda row: 1e2 * row.chest_mass,
     "chest's CoM ahead [mm]": lambda row: 1e3 * row.chest_com_x,
     "obstacle further ahead [mm]": lambda row: 1e3 * row.obstacle_x,
+    "obstacle off its place [mm]": lambda row: 1e3 * abs(row.obstacle_x),
     "push [N]": lambda row: float(np.hypot(row.push_x, row.push_y)),
     "push ahead [N]": lambda row: row.push_x,
     "push to the left [N]": lambda row: row.push_y,
     "time of the push [s]": lambda row: row.push_time,
     "latency, beside one period [ms]": lambda row: 1e3 * row.latency,
 }
-"""Each disturbance as one number of a draw."""
+"""Each disturbance as a number of a draw, or as two where both its size and its direction may matter."""
 
 
 @dataclass(frozen=True)
@@ -117,48 +117,20 @@ def influences(rows: Sequence[Outcome]) -> list[Influence]:
     return sorted(found, key=lambda one: one.p)
 
 
-def rates_table(rows: Sequence[Outcome]) -> Table:
-    """Success rates, and what went wrong, with and without the stabilizer."""
-    lines = []
-    for stabilizer, name in EQUIPPED.items():
-        some = equipped(rows, stabilizer)
-        crossed, failures = rate(some), [row for row in some if not row.success]
-        low, high = crossed.interval
-        touched = sum(row.reason.startswith("hit") for row in failures)
-        lines.append((name, f"{crossed.good} of {crossed.of}", f"{1e2 * crossed.share:.1f}",
-                      f"{1e2 * low:.1f} to {1e2 * high:.1f}", touched, len(failures) - touched,
-                      f"{1e3 * min(row.clearance for row in some):.1f}"))  # fmt: skip
-    return table(
-        "robot | crossed | % | Wilson interval, 95 % | touched the obstacle | fell | nearest to the obstacle [mm]",
-        lines,
-    )
+def nearness(rows: Sequence[Outcome]) -> list[tuple[str, float, float]]:
+    """How the clearance of the draws that crossed goes with each disturbance: Spearman's correlation and its p.
 
-
-def influence_table(rows: Sequence[Outcome], stabilizer: bool) -> Table:
-    """The disturbances, the one that matters most first."""
-    return table(
-        "disturbance | median where it failed | where it crossed | distance of the distributions | p",
-        [(one.measure, one.failed, one.succeeded, f"{one.distance:.2f}", f"{one.p:.1g}")
-         for one in influences(equipped(rows, stabilizer))],
-    )  # fmt: skip
-
-
-def failures_table(rows: Sequence[Outcome]) -> Table:
-    """What went wrong, a failure a row."""
-    failed = [
-        (row.draw, EQUIPPED[row.stabilizer], f"{row.failure_time:.3f}", row.reason) for row in rows if not row.success
-    ]
-    return table("draw | robot | failed at [s] | reason", failed)
-
-
-def agreement_table(compared: Sequence[tuple[Outcome, bool]]) -> Table:
-    """Rows made anew, and whether they agree with the stored ones."""
-    lines = [
-        (row.draw, EQUIPPED[row.stabilizer], "crossed" if row.success else f"failed at {row.failure_time:.3f} s",
-         1e3 * row.clearance, row.state[:12], "yes" if agrees else "no")
-        for row, agrees in compared
-    ]  # fmt: skip
-    return table("draw | robot | now | clearance [mm] | hash of all states, now | agrees with the table", lines)
+    The disturbance that goes with it most comes first; none where fewer than three crossed.
+    """
+    crossed = [row for row in rows if row.success]
+    if len(crossed) < 3:
+        return []
+    clearance, found = [row.clearance for row in crossed], []
+    for name, of in MEASURES.items():
+        values = [of(row) for row in crossed]
+        test = spearmanr(values, clearance)
+        found.append((name, float(test.statistic), float(test.pvalue)))
+    return sorted(found, key=lambda one: one[2])
 
 
 def study_to_json(rows: Sequence[Outcome]) -> dict[str, Any]:

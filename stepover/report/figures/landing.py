@@ -24,9 +24,9 @@ from stepover.report.figures.style import (
     shade_phases,
     styled,
 )
-from stepover.report.landing import NEAR_FLOOR, Curves, Profile
+from stepover.report.landing import NAIVE, NEAR_FLOOR, SHAPED, Curves, Profile
 from stepover.report.landing_force import AVERAGED, TOUCH_DOWN, Landing
-from stepover.report.landing_settings import NOISY
+from stepover.report.landing_settings import NOISY, VARIATIONS
 from stepover.report.landing_study import Landed, Point
 from stepover.units.preview_control import GRAVITY
 
@@ -62,7 +62,8 @@ def leg_1_landing(profiles: Mapping[str, Profile], motion: Motion) -> Figure:
     axes[2, 0].set_xlabel("time from touch-down [s]")
     last.set(xlim=(-250, 0), ylim=(0, 60), xlabel="time from touch-down [ms]", ylabel="height [mm]")
     speeds.axvline(1e3 * NEAR_FLOOR, color=OBSTACLE, ls=":", lw=1.0)
-    speeds.set(xlim=(0, 30), ylim=(0, None), xlabel="height above the floor [mm]", ylabel="descent [m/s]")
+    fastest = max(profile.speed_near_floor(0.03) for profile in profiles.values())
+    speeds.set(xlim=(0, 30), ylim=(0, 1.1 * fastest), xlabel="height above the floor [mm]", ylabel="descent [m/s]")
     handles, labels = speeds.get_legend_handles_labels()
     empty.legend([*handles[0::2], *handles[1::2]], [*labels[0::2], *labels[1::2]], loc="center", ncols=2,
                  title=f"swing of leg 1, and its descent at {1e3 * NEAR_FLOOR:.0f} mm")  # fmt: skip
@@ -104,17 +105,16 @@ def landing_forces(robot: Robot, landings: Mapping[Point, Landing], paper: Seque
     """The vertical force on leg 1's foot around the planned touch-down, a column for each variation.
 
     Args:
-        robot: for its weight, double support and window.
+        robot: for its weight and double support.
         landings: by what was simulated.
         paper: the paper's forces [N].
     """
     variations = list(dict.fromkeys(point.variation for point in landings))
     swings = list(dict.fromkeys((point.profile, point.swing_time) for point in landings))
-    window, both = 1e3 * robot.simulation.landing_window, 1e3 * robot.walk.double_support_over
+    both = 1e3 * robot.walk.double_support_over
     figure, axes = panels(1, 3.4, columns=len(variations), sharey=True)
     for axis, variation in zip(axes[0], variations, strict=True):
-        axis.axvspan(0.0, both, color=PHASES[2], alpha=0.12, lw=0, zorder=0)
-        axis.axvline(window, color=OBSTACLE, lw=0.7)
+        axis.axvspan(0.0, both, color=PHASES[2], alpha=0.12, lw=0, zorder=0, label="double support")
         for point, landing in landings.items():
             if point.variation == variation:
                 look = swings.index((point.profile, point.swing_time))
@@ -129,10 +129,9 @@ def landing_forces(robot: Robot, landings: Mapping[Point, Landing], paper: Seque
         axis.set(xlim=(-150, 250), xlabel="time from touch-down [ms]")
     highest = max(float(landing.force.max()) for landing in landings.values())
     axes[0, 0].set(ylim=(0, 1.1 * max(highest, *paper)), ylabel="vertical force [N]")
-    said = (f"floor on foot, mean over {1e3 * AVERAGED:.0f} ms, no other filter (thin: each time step); "
-            f"peaks are read until {window:.0f} ms")  # fmt: skip
-    figure.legend(*axes[0, -1].get_legend_handles_labels(), loc="outside lower center", ncols=5, title=said,
-                  title_fontsize=9, columnspacing=1.2)  # fmt: skip
+    said = f"floor on foot, mean over {1e3 * AVERAGED:.0f} ms, no other filter; thin: each step of the physics"
+    figure.legend(*axes[0, -1].get_legend_handles_labels(), loc="outside lower center", ncols=6, title=said,
+                  title_fontsize=9, columnspacing=1.0, handlelength=1.5)  # fmt: skip
     numbered(axes, variations)
     return figure
 
@@ -142,27 +141,32 @@ def landing_sensitivity(robot: Robot, rows: Sequence[Landed], paper: Sequence[fl
     """The touch-down alone and the peak of each variation, by swing.
 
     Args:
-        robot: for its weight and window.
+        robot: for its weight.
         rows: of the stored table.
         paper: the paper's forces [N].
     """
     names = list(dict.fromkeys(row.variation for row in rows))
     swings = list(dict.fromkeys((row.profile, row.swing_time) for row in rows))
-    figure, axes = panels(1, 0.21 * len(names) + 1.1, columns=2, sharey=True)
+    swings.sort(key=lambda swing: swing[0] not in (SHAPED, NAIVE))
+    figure, axes = panels(1, 0.22 * len(names) + 1.2, columns=2, sharey=True)
     for axis, value in zip(axes[0], ("touch_down", "peak"), strict=True):
         _levels(axis, robot, paper, vertical=True)
-        for swing, colour, marker in zip(swings, COLOURS, "osD^", strict=False):
+        for number, (swing, colour, marker) in enumerate(zip(swings, COLOURS, "osD^", strict=False)):
             mine = [row for row in rows if (row.profile, row.swing_time) == swing and not row.fell]
-            forces = [getattr(row, value) for row in mine]
-            axis.plot(forces, [names.index(row.variation) for row in mine], color=colour, marker=marker, ms=4.5,
-                      mfc=colour if marker == "o" else "white", ls="", label=f"{swing[0]}, {swing[1]:g} s")  # fmt: skip
-        axis.set(xlabel="vertical force [N]", xlim=(0, None))
+            forces = [getattr(row, value) or np.nan for row in mine]
+            places = [names.index(row.variation) + 0.18 * (number - 1) for row in mine]
+            axis.plot(forces, places, color=colour, marker=marker, ms=4.5, mfc=colour if marker == "o" else "white",
+                      ls="", label=f"{swing[0]}, {swing[1]:g} s")  # fmt: skip
+        for row, (name, before) in enumerate(zip(names[1:], names, strict=False)):
+            if VARIATIONS[name].sole != VARIATIONS[before].sole or name == NOISY:
+                axis.axhline(row + 0.5, color=REFERENCE, lw=0.8)
+        axis.grid(axis="y", visible=False)
+        axis.set(xlabel="vertical force [N]", xlim=(0, 1.05 * axis.dataLim.x1))
     axes[0, 0].set_yticks(range(len(names)), names)
     axes[0, 0].set_ylim(len(names) - 0.5, -0.5)
-    figure.legend(*axes[0, 1].get_legend_handles_labels(), loc="outside lower center", ncols=4)
-    window = 1e3 * robot.simulation.landing_window
-    titles = [f"touch-down: first {1e3 * TOUCH_DOWN:.0f} ms", f"peak: until {window:.0f} ms after touch-down"]
-    numbered(axes, titles)
+    axes[0, 1].text(0.98, 0.006, "the solver's", transform=axes[0, 1].transAxes, ha="right", va="bottom", fontsize=8.5)
+    figure.legend(*axes[0, 1].get_legend_handles_labels(), loc="outside lower center", ncols=3)
+    numbered(axes, [f"touch-down: first {1e3 * TOUCH_DOWN:.0f} ms", "peak"])
     return figure
 
 
@@ -170,6 +174,7 @@ def _levels(axis: Axes, robot: Robot, paper: Sequence[float], vertical: bool = F
     """Lines at the weight and at the paper's forces."""
     weight = robot.body.mass * GRAVITY
     line = axis.axvline if vertical else axis.axhline
-    line(weight, color=REFERENCE, ls="--", lw=0.9, label=f"weight, {weight:.0f} N", zorder=1)
+    line(weight, color=REFERENCE, ls="--", lw=0.9, label=f"weight: {weight:.0f} N", zorder=1)
+    said = "paper: " + ", ".join(f"{force:.0f}" for force in paper) + " N"
     for force in paper:
-        line(force, color=OBSTACLE, ls=":", lw=1.2, zorder=1, label="the paper's" if force == paper[0] else None)
+        line(force, color=OBSTACLE, ls=":", lw=1.2, zorder=1, label=said if force == paper[0] else None)
