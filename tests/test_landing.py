@@ -189,10 +189,10 @@ def test_overshoot_is_measured_from_the_two_points_around():
 # The force
 
 
-def series(raw, heights=None, window=0.1):
+def series(raw, heights=None):
     """A measured landing from a force that begins 0.5 s before the planned touch-down."""
     time = -0.5 + STEP * (1.0 + np.arange(len(raw)))
-    return measured(time, raw, np.zeros(len(raw)) if heights is None else heights, window, 560.0)
+    return measured(time, raw, np.zeros(len(raw)) if heights is None else heights, 560.0)
 
 
 def test_a_force_is_the_mean_of_the_5_ms_that_end_there():
@@ -202,26 +202,25 @@ def test_a_force_is_the_mean_of_the_5_ms_that_end_there():
     assert found.peak == pytest.approx(200.0)
     np.testing.assert_allclose(found.force[459:466], [0.0, 200.0, 200.0, 200.0, 200.0, 200.0, 0.0], atol=1e-9)
     assert found.contact == pytest.approx(-0.039)
-    fine = measured(-0.5 + 0.0005 * (1.0 + np.arange(1500)), np.repeat(raw, 2), np.zeros(1500), 0.1, 560.0)
+    fine = measured(-0.5 + 0.0005 * (1.0 + np.arange(1500)), np.repeat(raw, 2), np.zeros(1500), 560.0)
     assert fine.peak == pytest.approx(found.peak), "the same force in steps half as long"
 
 
-def test_touch_down_peak_and_later_have_windows_of_their_own():
+def test_the_touch_down_has_a_window_of_its_own():
     raw = np.zeros(750)
-    raw[450:], raw[490:], raw[620:] = 300.0, 700.0, 1500.0  # contact at -49 ms; more at -9 ms; at 121 ms
+    raw[450:], raw[490:], raw[620:630] = 300.0, 700.0, 1500.0  # contact at -49 ms; more at -9 ms; most at 121 ms
     found = series(raw)
-    assert (found.touch_down, found.peak, found.later) == pytest.approx((300.0, 700.0, 1500.0))
-    assert series(raw, window=0.15).peak == pytest.approx(1500.0)
+    assert (found.touch_down, found.peak) == pytest.approx((300.0, 1500.0))
+    assert found.peak_time == pytest.approx(0.125), "the mean is full 5 ms after the force is there"
 
 
 def test_a_brush_is_no_contact_and_none_at_all_gives_no_number():
     raw = np.zeros(750)
     raw[300] = 90.0  # 18 N over 5 ms
-    assert np.isnan(series(raw).contact)
-    assert np.isnan(series(raw).peak)
-    raw[700] = 5000.0  # after the window
-    assert np.isnan(series(raw).peak)
-    assert series(raw).later == pytest.approx(1000.0)
+    found = series(raw)
+    assert all(np.isnan(value) for value in (found.contact, found.touch_down, found.peak, found.peak_time))
+    raw[700] = 105.0
+    assert series(raw).contact == pytest.approx(0.201)
 
 
 def test_the_speed_is_that_of_the_descent_before_contact():
@@ -234,8 +233,8 @@ def test_the_speed_is_that_of_the_descent_before_contact():
 def test_the_force_is_that_of_simulate(robot, motion):
     """At every sample the mean over its 5 ms, with everything that the loop of simulate has."""
     perturb = {"ground_leg_1": 0.004}
-    run = simulate(motion, robot=robot, actuators="limited", stabilizer=True, perturb=perturb)
-    found = land(robot, motion, sole="rigid", perturb=perturb)
+    run = simulate(motion, robot=robot, actuators="limited", sole="compliant", stabilizer=True, perturb=perturb)
+    found = land(robot, motion, perturb=perturb)
     landing = motion.samples(1).stop
     wrench = run.series.right_wrench if motion.support[landing - 1] > 0 else run.series.left_wrench
     near = np.arange(landing - 40, landing + 20)
@@ -317,7 +316,7 @@ def test_it_also_stops_what_pushes_the_foot_down_beyond_the_plan(robot, motion, 
 
 def landed(variation, profile, time, peak, **known):
     """A row by hand."""
-    return Landed("hrp2", "0", variation, profile, time, "abc", -0.01, 0.1, peak / 2.0, peak, peak, **known)
+    return Landed("hrp2", "0", variation, profile, time, "abc", -0.01, 0.1, peak / 2.0, peak, 0.05, **known)
 
 
 def by_hand(naive, short, shaped, variation=BASES[0], **known):
@@ -345,7 +344,7 @@ def test_a_verdict_is_about_a_share_of_the_papers_number():
 def test_verdicts_are_about_equal_times_on_the_published_rubber(robot, obstacle, planned):
     profiles = [profile_of(robot, obstacle, planned.sequence, name) for name in (SHAPED, NAIVE)]
     curves = through_control_points(robot, obstacle)
-    rest = by_hand(9.0, PAPER_NAIVE, PAPER_SHAPED, FITTED)
+    rest = by_hand(9.0, PAPER_NAIVE, PAPER_SHAPED, FITTED) + by_hand(900.0, 9.0, 450.0, BASES[1])
     for naive, shaped, expected in (
         (PAPER_NAIVE, PAPER_SHAPED, ["holds", "holds", "holds", "holds"]),
         (700.0, PAPER_SHAPED, ["differs", "holds", "differs", "holds"]),
@@ -354,7 +353,7 @@ def test_verdicts_are_about_equal_times_on_the_published_rubber(robot, obstacle,
         rows = by_hand(naive, 9.0, shaped) + rest
         found = landing_tables.verdicts(robot, rows, profiles, curves)
         assert [row[3] for row in found.rows] == expected
-    assert "0.52" in found.rows[2][4]
+    assert "rigid soles 0.50, fitted rubber and a faster naive swing 0.52" in found.rows[2][4]
     steady = dataclasses.replace(curves, polynomial=curves.spline)
     assert landing_tables.verdicts(robot, rows, profiles, steady).rows[3][3] == "differs"
 
@@ -381,12 +380,36 @@ def test_todays_planner_plans_the_stored_motions(stored, swing):
         assert agrees(stored, Point(variation, *swing)), "a motion has changed: run make studies"
 
 
+def test_the_table_says_what_the_notebook_says(stored):
+    """Where this fails after `make studies`, the notebook's prose needs another look."""
+    for name, setting in VARIATIONS.items():
+        naive, shaped = pair(stored, name)
+        if setting.sole == "compliant" and setting.stabilizer:
+            assert shaped / naive == pytest.approx(1.0, abs=0.1), name
+    assert [ratio(stored, BASES[1]) < 0.7, ratio(stored, "rigid, servos 1/2 as stiff") > 1.0] == [True, True]
+    fits = {(line[0], line[1]): (line[2], float(line[6].removesuffix(" %"))) for line in nearest_pairs(stored).rows}
+    assert fits[BASES[1], f"{LONG:g}"][0] == "1"
+    assert fits[FITTED, f"{SHORT:g}"][0] == "3"
+    assert fits[BASES[1], f"{LONG:g}"][1] <= 10.0
+    assert fits[FITTED, f"{SHORT:g}"][1] <= 10.0
+    for swing in landing_study.SWINGS:
+        plain, held = (at(stored, Point(name, *swing)) for name in (BASES[0], "rubber, landing control"))
+        assert (held.touch_down < plain.touch_down) == (swing[1] == LONG)
+        assert held.peak < plain.peak
+
+
+def ratio(rows, variation):
+    """Shaped over naive peak, in the same time."""
+    naive, shaped = pair(rows, variation)
+    return shaped / naive
+
+
 def test_agreement_is_about_motion_and_forces(stored):
     point = Point(BASES[0], SHAPED, LONG)
     row = at(stored, point)
     assert not agrees([dataclasses.replace(row, motion="0" * 64)], point)
     values = dict.fromkeys(("time", "raw", "force"), np.zeros(0)) | {"weight": 560.0, "fell": ""}
-    numbers = {name: getattr(row, name) for name in ("contact", "speed", "touch_down", "peak", "later")}
+    numbers = {name: getattr(row, name) for name in landing_study.MEASURED}
     assert agrees([row], point, landing_study.Landing(**values, **numbers))
     assert not agrees([row], point, landing_study.Landing(**values, **(numbers | {"peak": row.peak + 1.0})))
     with pytest.raises(KeyError):

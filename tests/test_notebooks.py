@@ -13,6 +13,12 @@ NOTEBOOKS = sorted((Path(__file__).parents[1] / "notebooks").glob("*.ipynb"))
 FIGURES = {
     "adaptation": {"adaptation_clearance", "waist_yaw_frontier", "obstacle_plane"},
     "feasibility_domains": {"fig2_feasibility_domains", "feasibility_by_height", "feasibility_unit"},
+    "landing_impact": {
+        "fig3_leg_1_landing",
+        "landing_forces",
+        "landing_sensitivity",
+        "spline_and_polynomial",
+    },
     "quasi_static_vs_dynamic": {
         "duration_over_epsilon",
         "strategies_by_height",

@@ -13,7 +13,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stepover.control.stabilizer import Stabilizer
 from stepover.model.robot import Robot
 from stepover.motion import Motion
 from stepover.report.landing_control import AsPlanned, LandingControl
@@ -156,6 +155,6 @@ def _guide(
     if not (stabilizer or control):
         return Plan(motion, steps)
     pilot = Pilot(robot, world, motion, disturbances, steps)
-    leads = Stabilizer(robot, motion, bool(world.passive)) if stabilizer else AsPlanned(motion)
+    leads = pilot.stabilizer if stabilizer else AsPlanned(motion)
     pilot.stabilizer = LandingControl(robot, motion, leads) if control else leads  # type: ignore[assignment]
     return pilot

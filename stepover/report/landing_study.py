@@ -45,14 +45,12 @@ class Point:
         variation: one of VARIATIONS.
         profile, swing_time: as in landing_motion.
         robot: its name.
-        physics: whether it is simulated.
     """
 
     variation: str
     profile: str
     swing_time: float
     robot: str = "hrp2"
-    physics: bool = True
 
 
 @dataclass(frozen=True)
@@ -114,7 +112,7 @@ def row_of(point: Point, landing: Landing | None) -> Landed:
 
 def carry_out(point: Point) -> Row:
     """Let one motion land: a row for run_study."""
-    return dataclasses.asdict(row_of(point, landing_of(point) if point.physics else None))
+    return dataclasses.asdict(row_of(point, landing_of(point)))
 
 
 def study(path: Path | None = None, build: Path | None = None, workers: int | None = None) -> Path:

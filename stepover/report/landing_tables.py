@@ -1,7 +1,7 @@
 """The tables of the notebook on the landing: what the force depends on, the smallest fit, and the verdicts. Sec. III-B.
 
-A claim's tolerance was set before anything was measured, and no fit is asked: the verdict is about servos, stabilizer
-and rubber as published, with both swings in the same time.
+No fit is asked for a verdict: it is about servos, stabilizer and rubber as published, with both swings in the same
+time, and one tolerance for all three numbers.
 """
 
 from __future__ import annotations

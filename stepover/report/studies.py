@@ -178,5 +178,6 @@ if __name__ == "__main__":
     from stepover.report.plane import study as obstacle_plane
     from stepover.report.robustness import study as robustness
     from stepover.report.strategy_study import study as strategies
+    from stepover.report.trials import study as trials
 
-    run_all([obstacle_plane, strategies, robustness, landing])
+    run_all([obstacle_plane, strategies, trials, robustness, landing])

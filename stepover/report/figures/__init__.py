@@ -20,6 +20,7 @@ from stepover.report.figures.strategies import (
     ways_over_time,
 )
 from stepover.report.figures.style import save
+from stepover.report.figures.trials import estimated, heights_with_servos, stabilized
 
 __all__ = [
     "areas_by_height",
@@ -30,8 +31,10 @@ __all__ = [
     "contact_forces",
     "domains_overlaid",
     "duration_over_epsilon",
+    "estimated",
     "failure",
     "feasibility_domains",
+    "heights_with_servos",
     "highest_with_and_without_yaw",
     "key_configuration",
     "key_domains",
@@ -45,6 +48,7 @@ __all__ = [
     "robustness",
     "save",
     "spline_and_polynomial",
+    "stabilized",
     "stick_diagram",
     "strategies_by_height",
     "strip",

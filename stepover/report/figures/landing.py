@@ -13,6 +13,7 @@ from stepover.model.robot import Robot
 from stepover.motion import Motion
 from stepover.report.figures.style import (
     FIRST_STAGE,
+    LEFT,
     OBSTACLE,
     PHASES,
     PLANNED,
@@ -30,9 +31,9 @@ from stepover.report.landing_settings import NOISY, VARIATIONS
 from stepover.report.landing_study import Landed, Point
 from stepover.units.preview_control import GRAVITY
 
-COLOURS = (PLANNED, SIMULATED, FIRST_STAGE, WAIST)
+COLOURS = (PLANNED, SIMULATED, FIRST_STAGE, WAIST, LEFT)
 """Shaped, naive, and others."""
-DASHES = ("-", "-", "--", ":")
+DASHES = ("-", "-", "--", ":", "-.")
 
 
 @styled
@@ -151,12 +152,13 @@ def landing_sensitivity(robot: Robot, rows: Sequence[Landed], paper: Sequence[fl
     figure, axes = panels(1, 0.22 * len(names) + 1.2, columns=2, sharey=True)
     for axis, value in zip(axes[0], ("touch_down", "peak"), strict=True):
         _levels(axis, robot, paper, vertical=True)
-        for number, (swing, colour, marker) in enumerate(zip(swings, COLOURS, "osD^", strict=False)):
+        for number, (swing, colour, marker) in enumerate(zip(swings, COLOURS, "osD^v", strict=True)):
             mine = [row for row in rows if (row.profile, row.swing_time) == swing and not row.fell]
             forces = [getattr(row, value) or np.nan for row in mine]
-            places = [names.index(row.variation) + 0.18 * (number - 1) for row in mine]
-            axis.plot(forces, places, color=colour, marker=marker, ms=4.5, mfc=colour if marker == "o" else "white",
-                      ls="", label=f"{swing[0]}, {swing[1]:g} s")  # fmt: skip
+            places = [names.index(row.variation) + 0.16 * (number - 1.5) for row in mine]
+            inside = colour if swing[0] == SHAPED else "white"
+            axis.plot(forces, places, color=colour, marker=marker, ms=4.5, mfc=inside, ls="",
+                      label=f"{swing[0]}, {swing[1]:g} s")  # fmt: skip
         for row, (name, before) in enumerate(zip(names[1:], names, strict=False)):
             if VARIATIONS[name].sole != VARIATIONS[before].sole or name == NOISY:
                 axis.axhline(row + 0.5, color=REFERENCE, lw=0.8)
@@ -164,7 +166,9 @@ def landing_sensitivity(robot: Robot, rows: Sequence[Landed], paper: Sequence[fl
         axis.set(xlabel="vertical force [N]", xlim=(0, 1.05 * axis.dataLim.x1))
     axes[0, 0].set_yticks(range(len(names)), names)
     axes[0, 0].set_ylim(len(names) - 0.5, -0.5)
-    axes[0, 1].text(0.98, 0.006, "the solver's", transform=axes[0, 1].transAxes, ha="right", va="bottom", fontsize=8.5)
+    axes[0, 1].text(
+        0.98, 0.006, "peaks are the solver's", transform=axes[0, 1].transAxes, ha="right", va="bottom", fontsize=8.5
+    )
     figure.legend(*axes[0, 1].get_legend_handles_labels(), loc="outside lower center", ncols=3)
     numbered(axes, [f"touch-down: first {1e3 * TOUCH_DOWN:.0f} ms", "peak"])
     return figure

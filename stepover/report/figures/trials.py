@@ -1,0 +1,97 @@
+"""Figures of the trials: a robot that sways and one that is stabilized; how high the servos go."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from stepover.report.figures.style import (
+    FIRST_STAGE,
+    OBSTACLE,
+    PLANNED,
+    REFERENCE,
+    SIMULATED,
+    WAIST,
+    numbered,
+    panels,
+    styled,
+    time_axis,
+)
+from stepover.report.trial_tables import by_height
+from stepover.report.trials import Outcome
+from stepover.simulation.measurements import Run
+
+SOLES = {"rigid": ("rigid soles", PLANNED, "s"), "compliant": ("rubber", SIMULATED, "o")}
+
+
+@styled
+def stabilized(without: Run, with_it: Run) -> Figure:
+    """ZMP and waist over time, on the same soles without and with the stabilizer."""
+    figure, axes = panels(3, 5.6, sharex=True)
+    motion = with_it.motion
+    for axis, column, name in ((axes[0, 0], 0, "x"), (axes[1, 0], 1, "y")):
+        for run, colour, label in ((without, FIRST_STAGE, "without stabilizer"), (with_it, SIMULATED, "with it")):
+            axis.plot(run.series.time, 1e3 * run.series.zmp_error[:, column], color=colour, lw=0.9, label=label)
+        axis.axhline(0.0, color=REFERENCE, lw=0.6)
+        axis.set(ylabel=f"ZMP error {name} [mm]", ylim=(-130.0, 130.0))
+    for run, colour in ((without, FIRST_STAGE), (with_it, SIMULATED)):
+        axes[2, 0].plot(run.series.time, 1e3 * run.series.waist_error, color=colour)
+    axes[2, 0].set(ylabel="waist from plan [mm]", ylim=(0.0, 110.0))
+    numbered(axes, ["measured ZMP minus its plan, in the walking direction", "the same, sideways", "waist"])
+    time_axis(axes[:, 0], motion, names="short")
+    figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
+    return figure
+
+
+@styled
+def estimated(run: Run) -> Figure:
+    """Where the estimator takes waist and CoM to be, minus where they are."""
+    figure, axes = panels(2, 3.6, sharex=True)
+    series = run.series
+    for axis, errors in ((axes[0, 0], series.waist_believed_error), (axes[1, 0], series.com_believed_error)):
+        for errors_along, colour, name in zip(errors.T, (PLANNED, SIMULATED, WAIST), "xyz", strict=True):
+            axis.plot(series.time, 1e3 * errors_along, color=colour, lw=0.9, label=name)
+        axis.axhline(0.0, color=REFERENCE, lw=0.6)
+        axis.set(ylabel="error [mm]")
+    numbered(axes, ["waist: estimated minus true", "CoM: estimated minus true"])
+    time_axis(axes[:, 0], run.motion, names="short")
+    figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
+    return figure
+
+
+@styled
+def heights_with_servos(rows: Sequence[Outcome]) -> Figure:
+    """Clearance, torque and speed by the obstacle's height, with servos and stabilizer."""
+    figure, axes = panels(1, 3.1, 3)
+    values = ("clearance", "torque_ratio", "speed_ratio")
+    for speed_limits, line in (("ignore", "-"), ("respect", "--")):
+        for sole, (name, colour, marker) in SOLES.items():
+            some = [row for row in by_height(rows, speed_limits) if row.sole == sole and row.motion]
+            label = f"{name}, speed limits {'ignored' if speed_limits == 'ignore' else 'respected'} by the plan"
+            for axis, value in zip(axes[0], values, strict=True):
+                _by_height(axis, some, value, {"color": colour, "ls": line, "marker": marker, "label": label})
+    for axis in axes[0, 1:]:
+        axis.axhline(1.0, color=OBSTACLE, lw=0.8)
+    axes[0, 0].plot([], [], color=REFERENCE, marker="x", ls="", label="failed")
+    axes[0, 0].set(ylabel="distance from the obstacle [mm]")
+    axes[0, 1].set(ylabel="over the limit", ylim=(0.0, 1.1))
+    axes[0, 2].set(ylabel="over the limit", ylim=(0.0, None))
+    for axis in axes[0]:
+        axis.set_xlabel("height [cm]")
+    numbered(axes, ["clearance", "largest torque", "largest speed"])
+    figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
+    return figure
+
+
+def _by_height(axis: Axes, rows: Sequence[Outcome], value: str, look: Mapping[str, Any]) -> None:
+    """One line; a cross where the robot failed."""
+    scale = 1e3 if value == "clearance" else 1.0
+    heights = 1e2 * np.array([row.height for row in rows])
+    levels = scale * np.array([getattr(row, value) for row in rows], dtype=float)
+    failed = np.array([not row.crossed for row in rows])
+    axis.plot(heights, np.where(failed, np.nan, levels), ms=3.5, lw=1.1, **look)
+    axis.plot(heights[failed], levels[failed], color=look["color"], marker="x", ls="", ms=5.0)
