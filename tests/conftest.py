@@ -14,6 +14,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+from stepover.model import pose
 from stepover.model.obstacle import Obstacle
 from stepover.model.robot import Robot, data_folder, load_robot
 from stepover.motion import Motion
@@ -21,6 +22,12 @@ from stepover.planned import Plan
 from stepover.planner import plan_in_detail
 
 HRP2 = data_folder() / "hrp2"
+
+
+def yaw_of(poses: np.ndarray) -> np.ndarray:
+    """Heading (N,) [rad] of poses (N, 7): angle of their x axis in the floor plane."""
+    matrices = pose.rotation(poses)
+    return np.arctan2(matrices[:, 1, 0], matrices[:, 0, 0])
 
 
 @pytest.fixture(scope="session")

@@ -6,6 +6,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+from conftest import yaw_of
 
 from stepover.model import pose
 from stepover.units.com_waist import com_and_waist
@@ -57,7 +58,7 @@ def test_waist_goes_down_in_leg_1_holds_and_comes_back_in_leg_2(robot, sequence,
 
 
 def test_waist_turns_as_the_key_configuration_says(sequence, result, low):
-    yaw = pose.yaw_of(result.waist)
+    yaw = yaw_of(result.waist)
     turning, held, back = spans(sequence)
     np.testing.assert_allclose(yaw, result.yaw, atol=1e-12)
     np.testing.assert_allclose(yaw[held], low.yaw)
@@ -110,7 +111,7 @@ def test_the_com_does_not_stop_over_the_obstacle(sequence, result):
 def test_the_chest_turns_against_the_waist(robot, motion):
     """UBMG keeps the upper body looking ahead (III-C3)."""
     chest = motion.q[:, robot.body.column("CHEST_JOINT0")]
-    np.testing.assert_allclose(chest, -pose.yaw_of(motion.waist), atol=1e-9)
+    np.testing.assert_allclose(chest, -yaw_of(motion.waist), atol=1e-9)
     assert np.degrees(chest.min()) == pytest.approx(-25.0, abs=0.01)
     placements = robot.body.placements(motion.q)
     facing = placements.rotations[:, robot.body.index("CHEST_JOINT1")] @ [1.0, 0.0, 0.0]

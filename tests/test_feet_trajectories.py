@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from conftest import yaw_of
 
 from stepover import Obstacle
 from stepover.model import pose
@@ -170,7 +171,7 @@ def test_feet_keep_to_their_sides_and_straight_ahead(feet):
     assert feet.foot(1) is feet.left
     assert feet.foot(-1) is feet.right
     for side in (1, -1):
-        np.testing.assert_allclose(pose.yaw_of(feet.foot(side)), 0.0, atol=1e-12)
+        np.testing.assert_allclose(yaw_of(feet.foot(side)), 0.0, atol=1e-12)
 
 
 def test_left_and_right_swing_in_turn(sequence, feet):

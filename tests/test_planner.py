@@ -11,7 +11,7 @@ from itertools import pairwise
 import numpy as np
 import pinocchio as pin
 import pytest
-from conftest import HRP2
+from conftest import HRP2, yaw_of
 
 from stepover import Infeasible, InvalidInput, Motion, Obstacle, load_robot, plan
 from stepover.model import pose
@@ -202,8 +202,8 @@ class TestFifteenCentimetres:
         pin.forwardKinematics(pin_model, data, motion.q[middle])
         hips = [data.oMi[pin_model.getJointId(name)].translation for name in ("RLEG_JOINT0", "LLEG_JOINT0")]
         assert hips[0][0] - hips[1][0] == pytest.approx(0.12 * np.sin(np.radians(25.0)), abs=1e-3)
-        assert pose.yaw_of(motion.waist).max() == pytest.approx(np.radians(25.0), abs=1e-3)
-        assert pose.yaw_of(motion.waist).min() > -1e-9
+        assert yaw_of(motion.waist).max() == pytest.approx(np.radians(25.0), abs=1e-3)
+        assert yaw_of(motion.waist).min() > -1e-9
 
     def test_com_stays_at_its_height_and_moves_on_in_double_support(self, motion, measures):
         assert motion.com[0, 2] == pytest.approx(0.8105, abs=0.005)

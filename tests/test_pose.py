@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from conftest import yaw_of
 from scipy.spatial.transform import Rotation
 
 from stepover.model import pose
@@ -26,7 +27,7 @@ def test_positive_yaw_turns_left_and_positive_pitch_lowers_the_toe():
 
 def test_yaw_is_found_again():
     yaw, pitch = RNG.uniform(-3.0, 3.0, 20), RNG.uniform(-1.0, 1.0, 20)
-    np.testing.assert_allclose(pose.yaw_of(pose.pose(np.zeros((20, 3)), yaw, pitch)), yaw, atol=1e-12)
+    np.testing.assert_allclose(yaw_of(pose.pose(np.zeros((20, 3)), yaw, pitch)), yaw, atol=1e-12)
 
 
 def test_offset_is_in_the_poses_own_frame():

@@ -20,9 +20,6 @@ from stepover.model.body import Body
 from stepover.model.kinematics import Placements
 from stepover.model.obstacle import LATERAL_HALF_EXTENT
 
-FLOOR_DEPTH = 1.0
-"""How far below the floor the obstacle's solid reaches [m]: no way out of a penetration leads downwards."""
-
 NEAR = 0.05
 """Separation [m] up to which a shape's own axes are asked for a better bound."""
 
@@ -131,7 +128,6 @@ def _smallest(bounds: np.ndarray, exact: Callable[[int, int], float]) -> tuple[f
 def exact_distance(shape: Shape, placements: Placements, sample: int, rectangle: np.ndarray) -> float:
     """Signed distance [m] of one shape at one sample from the obstacle's solid, by coal."""
     x_min, x_max, z_min, z_max = rectangle
-    z_min = min(z_min, -FLOOR_DEPTH)
     beam = coal.Box(x_max - x_min, 2.0 * LATERAL_HALF_EXTENT, z_max - z_min)
     place = coal.Transform3s(np.eye(3), np.array([(x_min + x_max) / 2.0, 0.0, (z_min + z_max) / 2.0]))
     where = coal.Transform3s(

@@ -11,6 +11,8 @@ from stepover.errors import InvalidInput
 
 LATERAL_HALF_EXTENT = 1.0
 """Half length of the beam along y [m]: longer than any robot here is wide, so that it is met in profile."""
+FLOOR_DEPTH = 1.0
+"""How far below the floor the obstacle reaches [m]: no way out of a penetration leads downwards."""
 
 
 @dataclass(frozen=True)
@@ -63,7 +65,7 @@ class Obstacle:
             it never leads through the ground.
         """
         side, top = (self.margin_width, self.margin_height) if margins else (0.0, 0.0)
-        return np.array([front - side, front + self.width + side, -1.0, self.height + top])
+        return np.array([front - side, front + self.width + side, -FLOOR_DEPTH, self.height + top])
 
     def as_advice(self) -> str:
         """Say that this one can be crossed, for error messages."""

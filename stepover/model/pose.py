@@ -38,9 +38,3 @@ def from_matrices(rotations: np.ndarray, positions: np.ndarray) -> np.ndarray:
 def offset(poses: np.ndarray, vector: np.ndarray) -> np.ndarray:
     """Poses moved by a vector (3,) given in their own frames: (N, 7) to (N, 7)."""
     return np.column_stack([poses[:, :3] + rotation(poses) @ np.asarray(vector), poses[:, 3:]])
-
-
-def yaw_of(poses: np.ndarray) -> np.ndarray:
-    """Heading (N,) [rad] of poses (N, 7): angle of their x axis in the floor plane."""
-    matrices = rotation(poses)
-    return np.arctan2(matrices[:, 1, 0], matrices[:, 0, 0])

@@ -5,9 +5,8 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping
 
-import numpy as np
-
 from stepover.errors import InvalidInput
+from stepover.model.obstacle import Obstacle
 from stepover.model.robot import Robot, load_robot
 from stepover.motion import Motion
 from stepover.simulation.disturbances import Disturbances
@@ -65,6 +64,6 @@ def simulate(
             world, robot, motion, disturbances, actuators == "limited", stabilizer, progress or (lambda share: None)
         )
     factor = float(motion.time[recording.count - 1] - motion.time[0]) / (time.perf_counter() - begin)
-    rectangle = np.array([beam[0], beam[0] + beam[1], 0.0, beam[2]])
+    rectangle = Obstacle(height=beam[2], width=beam[1]).profile(beam[0], margins=False)
     rest = {**how, "perturb": dict(perturb or {}), "realtime_factor": factor}
     return measured(robot, motion, recording, fall, rectangle, rest)

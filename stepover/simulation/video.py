@@ -112,7 +112,7 @@ def _pictures(
     step = float(time[1] - time[0])
     samples = np.clip(np.round((times - time[0]) / step), 0, len(time) - 1).astype(int)
     way = gaussian_filter1d(q[:, 0], FOLLOW / step, mode="nearest")
-    with _stage(motion) as client:
+    with _stage(motion, source.obstacle if isinstance(source, Run) else motion.bare_obstacle) as client:
         with silenced():
             body = load_body(robot, client)
         index, local = names_of(body, client)[1], local_of(body, client)
@@ -123,8 +123,8 @@ def _pictures(
 
 
 @contextmanager
-def _stage(motion: Motion) -> Iterator[int]:
-    """A client with floor and obstacle, to look at only."""
+def _stage(motion: Motion, obstacle: np.ndarray) -> Iterator[int]:
+    """A client with floor and obstacle (4,), to look at only."""
     with silenced():
         client = pybullet.connect(pybullet.DIRECT)
     try:
@@ -136,8 +136,8 @@ def _stage(motion: Motion) -> Iterator[int]:
                 if (column + row) % 2:
                     corner = np.array([column, row]) * TILE_SIZE
                     _box(client, (*corner, 0.0), (*(corner + TILE_SIZE), 0.001), TILE)
-        front, width, height = motion.obstacle[:3]
-        _box(client, (front, -DRAWN_HALF_WIDTH, 0.0), (front + width, DRAWN_HALF_WIDTH, height), AMBER)
+        x_min, x_max, _, z_max = obstacle
+        _box(client, (x_min, -DRAWN_HALF_WIDTH, 0.0), (x_max, DRAWN_HALF_WIDTH, z_max), AMBER)
         yield client
     finally:
         pybullet.disconnect(client)
