@@ -33,6 +33,8 @@ FIGURES = {
         "pybullet_25cm_contact_forces",
         "pybullet_25cm_zmp_and_waist",
     },
+    "robustness": {"robustness"},
+    "servos_and_soles": {"estimator_error", "heights_with_servos", "stabilized"},
     "stepover_15cm": {
         "fig1_key_configuration",
         "fig8_walking_direction",

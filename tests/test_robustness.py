@@ -25,16 +25,22 @@ from stepover.report import figures, robustness, studies
 from stepover.report.draws import RANGES, draw
 from stepover.report.figures.robustness import most_influential
 from stepover.report.robustness import Outcome, again, points, read_table, require_current, study
+from stepover.report.robustness_tables import (
+    agreement_table,
+    failures_table,
+    influence_table,
+    nearness_table,
+    rates_table,
+)
 from stepover.report.studies import run_study
 from stepover.report.success_rates import (
     MEASURES,
     Rate,
     binned,
     equipped,
-    influence_table,
     influences,
+    nearness,
     rate,
-    rates_table,
     study_to_json,
 )
 from stepover.simulation.disturbances import Disturbances
@@ -167,6 +173,20 @@ class TestRates:
         assert without[4:6] == (str(touched), str(len(failures) - touched))
         assert int(with_it[1].split()[0]) > int(without[1].split()[0])
         assert influence_table(rows, True).rows[0][0] == "push [N]"
+        assert nearness_table(rows, True).rows[0][:2] == ("obstacle further ahead [mm]", "+1.00")
+        assert len(failures_table(rows).rows) == sum(not row.success for row in rows)
+        assert [row[-1] for row in agreement_table([(rows[0], True), (rows[1], False)]).rows] == ["yes", "no"]
+
+    def test_tables_where_all_ends_alike(self, rows):
+        good = [row for row in rows if row.success]
+        assert failures_table(good).rows == (("none", "-", "-", "-"),)
+        assert influence_table(good, True).rows[0][0] == "every draw ended alike"
+        assert nearness_table(good[:1], True).rows[0][0] == "too few draws crossed"
+
+    def test_what_takes_room_comes_first(self, rows):
+        (name, rho, p), *rest = nearness(equipped(rows, True))
+        assert (name, rho) == ("obstacle further ahead [mm]", pytest.approx(1.0))
+        assert p < 1e-6 < min(one[2] for one in rest)
 
     def test_the_picture(self, rows, tmp_path):
         for some in (rows, rows[:2]):

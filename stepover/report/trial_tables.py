@@ -97,10 +97,10 @@ def highest(rows: Sequence[Outcome], sole: str, speed_limits: str) -> float:
     return reached
 
 
-def first_at_speed_limit(rows: Sequence[Outcome], height: float) -> str:
-    """Joints that first come to their speed limit over a height [m], on either sole, the plan ignoring the limits."""
-    some = [row for row in by_height(rows, "ignore") if row.height == height and row.speed_time is not None]
-    return ", ".join(sorted({str(row.speed_joint) for row in some})) or "none"
+def first_at_speed_limit(rows: Sequence[Outcome], height: float, sole: str) -> str:
+    """The joint that first comes to its speed limit over a height [m], the plan ignoring the limits; or "none"."""
+    row = next(row for row in by_height(rows, "ignore") if (row.height, row.sole) == (height, sole))
+    return "none" if row.speed_time is None else str(row.speed_joint)
 
 
 def agreement_table(rows: Sequence[Outcome], trials: Sequence[Trial]) -> Table:

@@ -41,7 +41,7 @@ def stabilized(without: Run, with_it: Run) -> Figure:
     for run, colour in ((without, FIRST_STAGE), (with_it, SIMULATED)):
         axes[2, 0].plot(run.series.time, 1e3 * run.series.waist_error, color=colour)
     axes[2, 0].set(ylabel="waist from plan [mm]", ylim=(0.0, 110.0))
-    numbered(axes, ["measured ZMP minus its plan, in the walking direction", "the same, sideways", "waist"])
+    numbered(axes, ["ZMP minus its plan, ahead", "ZMP minus its plan, sideways", "waist"])
     time_axis(axes[:, 0], motion, names="short")
     figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
     return figure
@@ -68,12 +68,14 @@ def heights_with_servos(rows: Sequence[Outcome]) -> Figure:
     """Clearance, torque and speed by the obstacle's height, with servos and stabilizer."""
     figure, axes = panels(1, 3.1, 3)
     values = ("clearance", "torque_ratio", "speed_ratio")
-    for speed_limits, line in (("ignore", "-"), ("respect", "--")):
+    for speed_limits, said in (("ignore", ""), ("respect", ", the plan respects speed limits")):
         for sole, (name, colour, marker) in SOLES.items():
             some = [row for row in by_height(rows, speed_limits) if row.sole == sole and row.motion]
-            label = f"{name}, speed limits {'ignored' if speed_limits == 'ignore' else 'respected'} by the plan"
+            look = {"color": colour, "marker": marker, "label": name + said, "ls": "", "ms": 6.5, "mfc": "none"}
+            if not said:
+                look |= {"ls": "-", "ms": 3.5, "mfc": colour}
             for axis, value in zip(axes[0], values, strict=True):
-                _by_height(axis, some, value, {"color": colour, "ls": line, "marker": marker, "label": label})
+                _by_height(axis, some, value, look)
     for axis in axes[0, 1:]:
         axis.axhline(1.0, color=OBSTACLE, lw=0.8)
     axes[0, 0].plot([], [], color=REFERENCE, marker="x", ls="", label="failed")
@@ -81,7 +83,7 @@ def heights_with_servos(rows: Sequence[Outcome]) -> Figure:
     axes[0, 1].set(ylabel="over the limit", ylim=(0.0, 1.1))
     axes[0, 2].set(ylabel="over the limit", ylim=(0.0, None))
     for axis in axes[0]:
-        axis.set_xlabel("height [cm]")
+        axis.set(xlabel="height [cm]", xlim=(14.5, 25.5), xticks=range(15, 26, 2))
     numbered(axes, ["clearance", "largest torque", "largest speed"])
     figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
     return figure
@@ -93,5 +95,5 @@ def _by_height(axis: Axes, rows: Sequence[Outcome], value: str, look: Mapping[st
     heights = 1e2 * np.array([row.height for row in rows])
     levels = scale * np.array([getattr(row, value) for row in rows], dtype=float)
     failed = np.array([not row.crossed for row in rows])
-    axis.plot(heights, np.where(failed, np.nan, levels), ms=3.5, lw=1.1, **look)
-    axis.plot(heights[failed], levels[failed], color=look["color"], marker="x", ls="", ms=5.0)
+    axis.plot(heights, levels, lw=1.1, **look)
+    axis.plot(heights[failed], levels[failed], color=REFERENCE, marker="x", ls="", ms=4.0)
