@@ -299,6 +299,7 @@ def killed(command, *, after, by=signal.SIGKILL, mark=""):
     process = subprocess.Popen(
         command, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True, cwd=SCRIPT.parent, start_new_session=True,
         env={**os.environ, "MARK": mark},
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # which a shell's background ignores
     )  # fmt: skip
     deadline = time.monotonic() + 60.0
     while not after() and process.poll() is None and time.monotonic() < deadline:
