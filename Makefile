@@ -34,8 +34,10 @@ studies: $(READY)    ## make the long tables in figures/ on all cores; goes on w
 lab: $(READY)        ## open JupyterLab on the notebooks
 	$(PYTHON) -m jupyterlab notebooks
 
-bench: $(READY)      ## measure how fast planning and simulation are
-	$(PYTHON) -m stepover.report.bench
+bench: $(READY)      ## measure how fast planning and simulation are; adds to bench/history.json
+	@mkdir -p build
+	$(PYTHON) -m pytest bench --benchmark-json build/bench.json --benchmark-quiet
+	$(PYTHON) -m stepover.report.bench build/bench.json bench/history.json
 
 lint: $(READY)       ## check style, types, and that the notebooks carry no outputs
 	$(PYTHON) -m ruff check
@@ -48,8 +50,8 @@ clean:      ## remove build/ and the caches; keep .venv
 	find . -path ./$(VENV) -prune -o \( -name __pycache__ -o -name .ipynb_checkpoints \) -prune -exec rm -rf {} +
 
 # One thread a process: the parallelism is that of the processes, and sums come out the same on every run.
-reproduce test studies bench: export OMP_NUM_THREADS = 1
-reproduce test studies bench: export OPENBLAS_NUM_THREADS = 1
+reproduce test studies: export OMP_NUM_THREADS = 1
+reproduce test studies: export OPENBLAS_NUM_THREADS = 1
 # Not for reproduce: there the notebooks' own backend, which needs no display either, keeps the figures in their pages.
 test: export MPLBACKEND = Agg
 

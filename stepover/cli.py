@@ -1,4 +1,4 @@
-"""The command line: plan, simulate, study, view, reproduce. What each one prints, and with which exit code it ends.
+"""The command line: plan, simulate, view, study, sweep, reproduce. What each prints, and with which exit code it ends.
 
 Exit codes: 0 done; 2 bad input; 3 an obstacle that cannot be crossed; 4 the simulated robot fell or touched the
 obstacle; 130 interrupted. An error is one line on stderr. With --json, stdout is exactly one JSON object.
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from stepover.simulation.measurements import Run
 
 DONE, BAD_INPUT, INFEASIBLE, NOT_CROSSED, INTERRUPTED = 0, 2, 3, 4, 130
+GOES_ON = "interrupted; what is finished is kept beside {}: the same command goes on"
 
 
 class _Commands(click.Group):
@@ -90,6 +91,11 @@ def _new_picture(context: click.Context, parameter: click.Parameter, value: str 
     if value is not None and Path(value).suffix != ".png":
         raise InvalidInput(f"--{parameter.name} {value}: a picture's name must end in .png")
     return _new_file(context, parameter, value)
+
+
+def _anywhere(context: click.Context, parameter: click.Parameter, value: str) -> str:
+    """A robot's name, or the path of its robot.toml as it holds in any folder."""
+    return str(Path(value).resolve()) if Path(value).suffix == ".toml" else value
 
 
 def _pairs(context: click.Context, parameter: click.Parameter, values: tuple[str, ...]) -> dict[str, str]:
@@ -333,9 +339,7 @@ def study(
 
     Example: python -m stepover study motion.npz --runs 50 --output table.csv --picture table.png
     """
-    # Before numpy is loaded: one thread a process, so that sums come out the same with any number of jobs.
-    for threads in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
-        os.environ.setdefault(threads, "1")
+    _one_thread_a_process()
     from stepover.motion import Motion
     from stepover.report import robustness, success_rates, summary
 
@@ -354,7 +358,7 @@ def study(
             planned, runs, seed, actuators=actuators, sole=sole, table=output, build=output.parent, workers=jobs
         )
     except KeyboardInterrupt:
-        _complain(f"interrupted; what is finished is kept beside {output}: the same command goes on", INTERRUPTED)
+        _complain(GOES_ON.format(output), INTERRUPTED)
     rows = robustness.read_table(output)
     if picture is not None:
         from stepover.report import figures
@@ -364,6 +368,80 @@ def study(
         click.echo(summary.as_line(success_rates.study_to_json(rows)))
     else:
         click.echo(f"{summary.aligned(success_rates.study_summary(rows))}\n\nwritten to {output}")
+
+
+def _one_thread_a_process() -> None:
+    """Before numpy is loaded: one thread a process, so that sums come out the same with any number of jobs."""
+    for threads in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
+        os.environ.setdefault(threads, "1")
+
+
+@main.command()
+@click.argument("obstacles", metavar="[OBSTACLES.csv]", required=False)
+@click.option("--heights", metavar="FIRST:LAST:STEP", help="Instead of a list: heights of a grid [m].")
+@click.option("--widths", metavar="FIRST:LAST:STEP", help="Its widths, along the way [m].")
+@click.option("--robot", default="hrp2", show_default=True, callback=_anywhere, help="As for plan.")
+@click.option("--margin-height", type=float, default=0.03, show_default=True, help="As for plan [m].")
+@click.option("--margin-width", type=float, default=0.03, show_default=True, help="As for plan [m].")
+@click.option(
+    "--arms", type=click.Choice(["auto", "on", "off"]), default="auto", show_default=True, help="As for plan."
+)
+@click.option(
+    "--speed-limits", type=click.Choice(["ignore", "respect"]), default="ignore", show_default=True,
+    help="As for plan.",
+)  # fmt: skip
+@click.option("--simulate", "physics", is_flag=True, help="Also carry out what is planned, with ideal motors.")
+@click.option("--jobs", type=click.IntRange(1), help="Obstacles at a time; default: one a core.")
+@click.option("--dask", metavar="ADDRESS", help="Let a Dask cluster do it; its scheduler's address.")
+@click.option("--output", required=True, metavar="FILE", callback=_new_file, help="Where the table goes (csv).")
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object (SI units) instead of the summary.")
+def sweep(
+    obstacles: str | None,
+    heights: str | None,
+    widths: str | None,
+    jobs: int | None,
+    dask: str | None,
+    output: Path,
+    as_json: bool,
+    **how: Any,
+) -> None:
+    """Plan many obstacles, and carry them out if asked to: one row of a table each.
+
+    They are a grid, both ends included, or a list, whose first line names the columns height and width [m]. A row says
+    whether there is a plan and if not why, its key configuration, clearance, ZMP margin, joint speed, the hash of its
+    motion, and whether the simulated robot crossed. Obstacles that cannot be crossed are rows as well, not errors.
+
+    Finished obstacles are kept beside the output in a .part file. Where the sweep was interrupted or killed, or the
+    grid has grown, the same command goes on from there. The table depends neither on that nor on who did the work.
+
+    With --dask the workers of that cluster need this very stepover. Such a cluster on one machine: 'dask scheduler',
+    then 'dask worker tcp://127.0.0.1:8786 --nworkers -1 --nthreads 1'.
+
+    Example: python -m stepover sweep --heights 0.05:0.25:0.05 --widths 0.03:0.15:0.03 --output sweep.csv
+    """
+    _one_thread_a_process()
+    if obstacles is not None and (heights is not None or widths is not None):
+        raise InvalidInput("give either a list of obstacles or --heights and --widths, not both")
+    if jobs is not None and dask is not None:
+        raise InvalidInput("give either --jobs or --dask: the cluster has its own number of workers")
+    from stepover.report import obstacle_list, summary
+    from stepover.report import sweep as sweeping
+
+    if obstacles is not None:
+        sizes = obstacle_list.read_list(Path(obstacles))
+    elif heights is not None and widths is not None:
+        sizes = obstacle_list.grid(obstacle_list.axis(heights, "--heights"), obstacle_list.axis(widths, "--widths"))
+    else:
+        raise InvalidInput("give a list of obstacles, such as obstacles.csv, or --heights and --widths")
+    try:
+        rows = sweeping.sweep([sweeping.Point(*size, **how) for size in sizes], output, dask or jobs)
+    except KeyboardInterrupt:
+        _complain(GOES_ON.format(output), INTERRUPTED)
+    result = sweeping.summary(rows)
+    if as_json:
+        click.echo(summary.as_line(result))
+    else:
+        click.echo(f"{summary.aligned(sweeping.summary_lines(result))}\n\nwritten to {output}")
 
 
 @main.command()

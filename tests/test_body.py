@@ -256,3 +256,14 @@ def test_placements_begin_at_the_root(robot):
     assert robot.body.link_names[0] == "BODY"
     assert robot.body.origin("RLEG_JOINT4")[2] == "RLEG_JOINT3"
     np.testing.assert_allclose(robot.body.origin("RLEG_JOINT4")[1], [0.0, -0.035, -0.3])
+
+
+def test_a_sweep_of_the_dynamics_is_that_of_each_sample(robot, motion, pin_model):
+    few = motion.q[600:640]
+    velocities, accelerations = robot.body.velocities(few, motion.dt), robot.body.accelerations(few, motion.dt)
+    sweep = robot.body.dynamics_sweep(few, motion.dt)
+    torques = sweep().copy()
+    data = pin_model.createData()
+    expected = [pin.rnea(pin_model, data, *sample) for sample in zip(few, velocities, accelerations, strict=True)]
+    np.testing.assert_allclose(torques.T, expected, atol=1e-6)
+    np.testing.assert_array_equal(sweep(), torques)

@@ -279,7 +279,7 @@ class TestWhole:
     def test_help(self):
         overview = call("--help")
         assert overview.exit_code == 0
-        assert list(main.commands) == ["plan", "simulate", "view", "study", "reproduce"]
+        assert list(main.commands) == ["plan", "simulate", "view", "study", "sweep", "reproduce"]
         for name in main.commands:
             assert name in overview.stdout
             page = call(name, "--help")

@@ -42,6 +42,8 @@ DOORS = {
     "meshcat": ("stepover.report.viewer",),
     "matplotlib.pyplot": ("stepover.report.figures",),
     "papermill": ("stepover.report.reproduce",),
+    "joblib": ("stepover.report.parallel",),
+    "distributed": ("stepover.report.parallel",),
 }
 
 
@@ -202,7 +204,8 @@ def test_every_dependency_is_pinned_at_a_version_that_will_do():
 
 def test_imported_libraries_are_dependencies():
     distributions = {"pinocchio": "pin", "pybullet_data": "pybullet", "pybullet_utils": "pybullet"}
-    declared = {Requirement(text).name for text in PYPROJECT["project"]["dependencies"]}
+    groups = PYPROJECT["project"]["dependencies"], PYPROJECT["project"]["optional-dependencies"]["dask"]
+    declared = {Requirement(text).name for group in groups for text in group}
     imported = {name.split(".")[0] for path in FILES for name in imports(path)}
     foreign = imported - set(sys.stdlib_module_names) - {"stepover"}
     assert {distributions.get(name, name.replace("_", "-")) for name in foreign} <= declared

@@ -6,8 +6,9 @@ import pytest
 
 from stepover.errors import InvalidInput
 from stepover.report import plane, studies
-from stepover.report.plane import Crossing, Point, at, read_table, study
+from stepover.report.plane import at, read_table, study
 from stepover.report.studies import fingerprint, run_study, write_rows
+from stepover.report.sweep import Crossing, Point
 
 POINTS = [Point(0.10, 0.02, physics=False), Point(0.30, 0.25, physics=False)]
 
@@ -88,9 +89,10 @@ def test_the_fingerprint_follows_the_code_and_what_is_named(monkeypatch):
 
 
 def test_tables_are_read_back(tmp_path):
+    known = {"robot": "hrp2", "version": "0", "width": 0.05, "margin_height": 0.03, "margin_width": 0.03}
     rows = [
-        Crossing("hrp2", "0", 0.2, 0.05, 0.03, 0.03, False, reason="too high, too wide"),
-        Crossing("hrp2", "0", 0.1, 0.05, 0.03, 0.03, True, 0, motion="abc", crossed=False, simulated_clearance=-0.001),
+        Crossing(height=0.2, planned=False, reason="too high, too wide", **known),
+        Crossing(height=0.1, planned=True, motion="abc", crossed=False, simulated_clearance=-0.001, **known),
     ]
     write_rows(rows, tmp_path / "table.csv")
     assert read_table(tmp_path / "table.csv") == rows

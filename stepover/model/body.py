@@ -7,7 +7,7 @@ the manifold: central differences for velocities, second differences for acceler
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cached_property, lru_cache
 from pathlib import Path
 
@@ -138,12 +138,14 @@ class Body:
         still = np.ptp(q[:, 7:], axis=0) == 0.0
         pool = _pool(self._model, tuple(np.flatnonzero(still).tolist()), tuple(q[0, 7:][still].tolist()))
         q = np.delete(q, 7 + np.flatnonzero(still), axis=1)
-        columns = [np.asfortranarray(x.T) for x in (q, *self._derivatives(q, dt))]
-        torques = np.zeros_like(columns[1])
-        pin.rneaInParallel(pool.size(), pool, *columns, torques)
+        torques = _sweep(pool, q, *self._derivatives(q, dt))()
         base = pose.rotation(q[:, :7])
         force, moment = (np.einsum("nab,bn->na", base, torques[rows]) for rows in (slice(0, 3), slice(3, 6)))
         return np.column_stack([force, moment + np.cross(q[:, :3], force)])
+
+    def dynamics_sweep(self, q: np.ndarray, dt: float) -> Callable[[], np.ndarray]:
+        """RNEA of all joints over q (N, nq) on one thread, to be called: gives (nv, N) [N, N m], anew each time."""
+        return _sweep(pin.ModelPool(self._model, 1), q, *self._derivatives(q, dt))
 
     def zmp(self, q: np.ndarray, dt: float) -> np.ndarray:
         """Multi-body ZMP (N, 2) [m] on the floor z = 0: where the ground's moment has no horizontal part."""
@@ -169,6 +171,18 @@ def _log_translation(turn: np.ndarray, shift: np.ndarray) -> np.ndarray:
     factor = np.where(small, 1.0 / 12.0 + angle**2 / 720.0, 1.0 / safe**2 - 0.5 / (safe * np.tan(safe / 2.0)))
     once = np.cross(turn, shift)
     return shift - 0.5 * once + factor * np.cross(turn, once)
+
+
+def _sweep(pool: pin.ModelPool, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> Callable[[], np.ndarray]:
+    """RNEA over all samples, by as many threads as the pool has, to be called."""
+    columns = [np.asfortranarray(x.T) for x in (q, v, a)]
+    torques = np.zeros_like(columns[1])
+
+    def sweep() -> np.ndarray:
+        pin.rneaInParallel(pool.size(), pool, *columns, torques)
+        return torques
+
+    return sweep
 
 
 @lru_cache(maxsize=8)

@@ -1,61 +1,170 @@
-"""How fast it is: medians of planning and simulation, on this machine. Run by `make bench`."""
+"""How fast it is: what `make bench` measured, beside its yardstick, and the history of it.
+
+The benchmarks are in bench/, timed by pytest-benchmark. Here its file becomes a table and one more entry of
+bench/history.json. Each time is a median of calls that plan another obstacle each, and is given in multiples of the
+yardstick of the same run: one sweep of the rigid-body dynamics over the motion's samples, on one thread. So runs on
+different machines, or under different loads, can be compared.
+"""
 
 from __future__ import annotations
 
-import os
-import platform
-import time
-from collections.abc import Callable
+import json
+import math
+import sys
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
 
-import numpy as np
-
-from stepover.model.obstacle import Obstacle
-from stepover.model.robot import load_robot
-from stepover.planner import plan_in_detail
+from stepover.errors import InvalidInput
+from stepover.motion import write_whole
 from stepover.report.tables import Table, table
-from stepover.simulation.run import simulate
-from stepover.units.feasibility import key_configurations
 
-OBSTACLE = Obstacle(height=0.15, width=0.05)
+YARDSTICK = "yardstick"
 
 
-def median_time(work: Callable[[], object], repeats: int) -> float:
-    """Median duration of a call [s], after one that does not count."""
-    work()
-    times = []
-    for _ in range(repeats):
-        start = time.perf_counter()
-        work()
-        times.append(time.perf_counter() - start)
-    return float(np.median(times))
+@dataclass(frozen=True)
+class Timed:
+    """One benchmark.
+
+    Attributes:
+        what: was timed.
+        group: which yardstick it has, such as "15 cm".
+        median, spread: of a call, and its interquartile range [s].
+        rounds: how often it was called.
+        ratio: of the median to that of the yardstick; None where that was not measured.
+        more: other numbers by name: bytes, samples, simulated seconds.
+    """
+
+    what: str
+    group: str
+    median: float
+    spread: float
+    rounds: int
+    ratio: float | None
+    more: dict[str, float]
 
 
-def bench(repeats: int = 11) -> Table:
-    """Measure the 15 cm case: the feasibility unit, the whole plan, the rigid-body dynamics, the physics."""
-    robot = load_robot("hrp2")
-    motion = plan_in_detail(robot, OBSTACLE).motion
-    samples = len(motion.time)
-    search = median_time(lambda: key_configurations(robot, OBSTACLE), repeats)
-    whole = median_time(lambda: plan_in_detail(robot, OBSTACLE), repeats)
-    dynamics = median_time(lambda: robot.body.contact_wrench(motion.q, motion.dt), repeats)
-    factor = float(np.median([simulate(motion).realtime_factor for _ in range(max(1, repeats // 4))]))
+@dataclass(frozen=True)
+class Benchmark:
+    """One run of the benchmarks.
+
+    Attributes:
+        date: when, in UTC.
+        version, commit: of stepover; a commit that was changed since ends in "+".
+        machine: processor, cores, load of the last minute, BLAS threads, Python, packages.
+        times: what was timed.
+    """
+
+    date: str
+    version: str
+    commit: str
+    machine: dict[str, Any]
+    times: tuple[Timed, ...]
+
+
+def read(path: Path) -> Benchmark:
+    """A run from the file of pytest-benchmark.
+
+    Raises:
+        InvalidInput: there is none, or it is not whole.
+    """
+    try:
+        found = json.loads(path.read_text())
+        info, commit = found["machine_info"], found["commit_info"]
+        yardsticks = {
+            one["group"]: one["stats"]["median"]
+            for one in found["benchmarks"]
+            if one["extra_info"]["what"] == YARDSTICK
+        }
+        machine = {"processor": info["cpu"].get("brand_raw", info["machine"]), "cores": info["cpu"].get("count")}
+        machine |= {name: info[name] for name in ("load", "threads", "python_version", "packages")}
+        made_by = (commit.get("id") or "") + "+" * bool(commit.get("dirty"))
+        return Benchmark(
+            found["datetime"][:19], info["packages"]["stepover"], made_by, machine,
+            tuple(_timed(one, yardsticks.get(one["group"])) for one in found["benchmarks"]),
+        )  # fmt: skip
+    except OSError as error:
+        raise InvalidInput(f"{path} cannot be read: {error.strerror}; 'make bench' writes it") from error
+    except (KeyError, TypeError, ValueError) as error:
+        raise InvalidInput(f"{path} is no file of 'make bench' ({error})") from error
+
+
+def _timed(one: dict[str, Any], yardstick: float | None) -> Timed:
+    """One benchmark of pytest-benchmark."""
+    stats, more = one["stats"], dict(one["extra_info"])
+    ratio = stats["median"] / yardstick if yardstick else None
+    return Timed(more.pop("what"), one["group"], stats["median"], stats["iqr"], stats["rounds"], ratio, more)
+
+
+def times_table(run: Benchmark) -> Table:
+    """Medians and their ratios to the yardstick, a column for each group."""
+    groups = list(dict.fromkeys(one.group for one in run.times))
+    cells = {(one.what, one.group): one for one in run.times}
     rows = [
-        ("FU, the search of the key configuration", f"{1e3 * search:.1f} ms", "400 ms, steps 1 and 2"),
-        ("plan, the whole of Algorithm 1", f"{1e3 * whole:.0f} ms", "-"),
-        ("plan, steps 2 to 7, a sample", f"{1e6 * (whole - search) / samples:.0f} us", "500 us, steps 3 to 7"),
-        ("rigid-body dynamics (RNEA), a sample", f"{1e6 * dynamics / samples:.1f} us", "-"),
-        ("simulate, simulated over computing time", f"{factor:.1f}", "-"),
+        (what, *(text for group in groups for text in _cells(cells.get((what, group)))))
+        for what in dict.fromkeys(one.what for one in run.times)
     ]
-    return table("15 cm x 5 cm, median | here | paper (2009)", rows)
+    return table(" | ".join(["median", *(f"{group} [ms] | of yardstick" for group in groups)]), rows)
 
 
-def main() -> None:
-    """Print the table, with the machine that it is true for."""
-    print(bench())
-    threads = os.environ.get("OMP_NUM_THREADS", "all")
-    machine = f"Python {platform.python_version()}, {platform.machine()}, {os.cpu_count()} cores"
-    print(f"\n{machine}, {threads} BLAS thread(s)")
+def _cells(one: Timed | None) -> tuple[str, str]:
+    """Milliseconds and ratio."""
+    if one is None:
+        return "", ""
+    return _short(1e3 * one.median), "-" if one.ratio is None else _short(one.ratio)
+
+
+def _short(value: float) -> str:
+    """Three digits, and no power of ten."""
+    return f"{value:.{max(0, 2 - math.floor(math.log10(value)))}f}"
+
+
+def other_numbers(run: Benchmark) -> list[str]:
+    """Memory and the real-time factor, in words."""
+    lines = []
+    for one in run.times:
+        name = f"{one.what}, {one.group}"
+        if "samples" in one.more:
+            lines.append(f"{name}: {1e6 * one.median / one.more['samples']:.1f} us a sample, "
+                         f"{int(one.more['samples'])} samples")  # fmt: skip
+        if "peak_bytes" in one.more:
+            lines.append(f"{name}: {one.more['peak_bytes'] / 2**20:.0f} MiB allocated at most")
+        if "resident_bytes" in one.more:
+            lines.append(f"{name}: {one.more['resident_bytes'] / 2**20:.0f} MiB resident at most, libraries included")
+        if "simulated" in one.more:
+            lines.append(f"{name}: {one.more['simulated'] / one.median:.2f} times faster than real time")
+    return lines
+
+
+def append(run: Benchmark, history: Path) -> int:
+    """Add a run to the history, whole or not at all.
+
+    Returns:
+        How many runs it holds now.
+
+    Raises:
+        InvalidInput: the history is damaged, or cannot be written to.
+    """
+    try:
+        runs = json.loads(history.read_text()) if history.is_file() else []
+    except ValueError as error:
+        raise InvalidInput(f"{history} is damaged ({error}); put the committed one back") from error
+    runs.append(asdict(run))
+    write_whole(history, lambda file: file.write((json.dumps(runs, indent=1) + "\n").encode()))
+    return len(runs)
+
+
+def main(found: str, history: str) -> None:
+    """Print a run, with the machine that it is true for, and keep it."""
+    run = read(Path(found))
+    machine = run.machine
+    print(times_table(run), "", *other_numbers(run), sep="\n")
+    print(f"\n{machine['processor']}, {machine['cores']} cores, load {machine['load']:.1f} at the end, "
+          f"{machine['threads']} BLAS thread, Python {machine['python_version']}, stepover {run.version}")  # fmt: skip
+    if machine["load"] > 1.5:
+        print("the machine did something else meanwhile: trust the ratios, not the times")
+    print(f"kept as run {append(run, Path(history))} of {history}")
 
 
 if __name__ == "__main__":
-    main()
+    main(*sys.argv[1:])

@@ -38,16 +38,24 @@ def fingerprint(robot: str, *more: object) -> str:
     """Twelve digits that change with the code, the robot's files, or anything else that is named."""
     package = Path(__file__).resolve().parents[1]
     code = [path for path in package.rglob("*.py") if path.relative_to(package).parts[0] not in INDEPENDENT]
-    files = sorted(code) + sorted(path for path in (data_folder() / robot).iterdir() if path.suffix != ".md")
+    files = sorted(code) + _robot_files(robot)
     digest = hashlib.sha256(repr(more).encode())
     for path in files:
         digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
     return digest.hexdigest()[:12]
 
 
+def _robot_files(robot: str) -> list[Path]:
+    """Files of a robot by its name, or by the path of its robot.toml, which may lie among others."""
+    if Path(robot).suffix == ".toml":
+        found = robot_of(robot)
+        return [Path(robot), found.folder / found.urdf]
+    return sorted(path for path in (data_folder() / robot).iterdir() if path.suffix != ".md")
+
+
 def make_table(
     name: str, points: Sequence[Any], work: Work, kind: type[Any], table: Path | None = None,
-    build: Path | None = None, workers: int | None = None, more: Sequence[object] = (),
+    build: Path | None = None, workers: int | str | None = None, more: Sequence[object] = (),
 ) -> Path:  # fmt: skip
     """Run or resume a study, and write its table.
 
@@ -58,7 +66,7 @@ def make_table(
         kind: dataclass of a row.
         table: where it goes; figures/ unless given.
         build: folder of the part file; build/ unless given.
-        workers: processes, see run_study.
+        workers: processes, or a Dask cluster, see run_study.
         more: what else the part file's name carries in its fingerprint, beside robot, code and version.
 
     Returns:
@@ -114,7 +122,7 @@ def rounded(value: float, digits: int = 5) -> float:
 
 
 def run_study(
-    points: Sequence[Any], work: Work, part: Path, *, workers: int | None = None, name: str = "study"
+    points: Sequence[Any], work: Work, part: Path, *, workers: int | str | None = None, name: str = "study"
 ) -> list[Row]:
     """Rows of all points in their order; those that the part file has already are not computed again.
 
@@ -122,7 +130,7 @@ def run_study(
         points: what work takes, each with a repr of its own.
         work: a function at the top of a module, from a point to a row of plain values.
         part: where finished rows are kept until the study is whole.
-        workers: processes, 1: this one; None: one a core.
+        workers: processes, 1: this one; the address of a Dask scheduler; None: one process a core.
         name: for the progress bar, which goes to stderr.
 
     Raises:

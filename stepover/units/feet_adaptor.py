@@ -64,7 +64,9 @@ class Adaptation:
         worst = int(np.argmin(check.separation))
         if check.separation[worst] >= 0.0:
             worst = int(np.argmin(np.where(check.reach > 0.0, -1e3 * check.reach, check.limit)))
-            what, short = "the trailing leg comes beyond its reach or its joint limits", np.inf
+            over, past, short = 1e3 * check.reach[worst], -np.degrees(check.limit[worst]), np.inf
+            folded = f"a leg's joint is {past:.1f} degrees past its limit"
+            what = f"a sole is {over:.1f} mm out of reach" if over > 0.0 else folded
         else:
             link, short = leg_shapes(robot)[check.shape[worst]].link, float(-check.separation[worst])
             what = f"{link} stays {1e3 * short:.1f} mm inside the obstacle's safety margin"

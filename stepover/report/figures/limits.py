@@ -11,8 +11,9 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
 from stepover.report.figures.style import FIRST_STAGE, OBSTACLE, PLANNED, REFERENCE, SIMULATED, WAIST, panels, styled
-from stepover.report.plane import HEIGHTS, WIDTHS, Crossing
+from stepover.report.plane import HEIGHTS, WIDTHS
 from stepover.report.stages import Bought
+from stepover.report.sweep import Crossing
 
 BARS = (WAIST, PLANNED, SIMULATED, FIRST_STAGE)
 CROSSED, CROSSED_BEYOND, FAILED, NOT_PLANNED = WAIST, PLANNED, SIMULATED, OBSTACLE

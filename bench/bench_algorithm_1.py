@@ -1,0 +1,125 @@
+"""Algorithm 1 at 5, 15 and 25 cm: each unit alone, the whole, and the yardstick for both.
+
+The yardstick is one evaluation of the rigid-body dynamics over the motion's samples, on one thread: what a single
+look at the multi-body ZMP costs at the least.
+"""
+
+from __future__ import annotations
+
+import tracemalloc
+
+import pytest
+from prepared import HIGHER, WIDTH, ready
+
+from stepover.model.obstacle import Obstacle
+from stepover.planner import plan_in_detail, whole_body
+from stepover.units.beyond_paper import extra_shape, extra_zmp, waist_delay
+from stepover.units.com_waist import com_and_waist
+from stepover.units.dynamic_filter import filtered_waist
+from stepover.units.feasibility import key_configurations
+from stepover.units.feet_adaptor import adapt_feet
+from stepover.units.feet_trajectories import feet_trajectories
+from stepover.units.step_sequence import step_sequence
+from stepover.units.upper_body import upper_body
+from stepover.verdict import require
+
+ROUNDS = 9
+HEIGHTS = (0.05, 0.15, 0.25)
+heights = pytest.mark.parametrize("height", HEIGHTS, ids=[f"{100 * height:.0f}cm" for height in HEIGHTS])
+
+
+def group(height):
+    """Benchmarks that have one yardstick."""
+    return f"{100 * height:.0f} cm"
+
+
+def other(height):
+    """Another obstacle for each number, none of those that stand ready."""
+    return lambda number: (Obstacle(height + HIGHER * (number + 0.5), WIDTH),)
+
+
+@heights
+def test_yardstick(measure, robot, height):
+    sweeps = [robot.body.dynamics_sweep(ready(height, k).q, robot.walk.sample_time) for k in range(3)]
+    measure("yardstick", group(height), lambda sweep: sweep(), lambda number: (sweeps[number % 3],), 75)
+
+
+@heights
+def test_multi_body_zmp(measure, robot, height):
+    unit(measure, height, "multi-body ZMP, once", lambda at: robot.body.zmp(at.q, robot.walk.sample_time))
+
+
+@heights
+def test_whole(measure, benchmark, robot, height):
+    plan = measure("plan, the whole", group(height), lambda obstacle: plan_in_detail(robot, obstacle), other(height),
+                   ROUNDS)  # fmt: skip
+    tracemalloc.start()
+    plan_in_detail(robot, Obstacle(height, WIDTH))
+    benchmark.extra_info |= {"peak_bytes": tracemalloc.get_traced_memory()[1], "samples": len(plan.motion.time)}
+    tracemalloc.stop()
+
+
+@heights
+def test_feasibility(measure, robot, height):
+    measure("1 FU", group(height), lambda obstacle: key_configurations(robot, obstacle), other(height), 2 * ROUNDS)
+
+
+def unit(measure, height, what, call):
+    """Time a step of Algorithm 1 on what stands ready for it, of another obstacle each time."""
+    measure(what, group(height), call, lambda number: (ready(height, number % ROUNDS),), ROUNDS)
+
+
+@heights
+def test_steps_and_feet(measure, robot, height):
+    def call(at):
+        level = at.plan.effort.level
+        sequence = extra_zmp(robot, step_sequence(robot, at.obstacle, at.plan.key, robot.rest_zmp()), level)
+        feet_trajectories(robot, at.obstacle, sequence, extra_shape(robot, level))
+
+    unit(measure, height, "2 FTG", call)
+
+
+@heights
+def test_com_and_waist(measure, robot, height):
+    def call(at):
+        com_and_waist(robot, at.plan.sequence, at.plan.key, waist_delay(robot, at.plan.effort.level))
+
+    unit(measure, height, "3 CWTG1", call)
+
+
+@heights
+def test_inverse_kinematics(measure, robot, height):
+    def call(at):
+        whole_body(robot, at.waist, at.plan.feet, at.plan.upper.q, at.plan.sequence.time)
+
+    unit(measure, height, "4 IK", call)
+
+
+@heights
+def test_upper_body(measure, robot, height):
+    def call(at):
+        upper_body(robot, at.plan.sequence, at.plan.feet, at.plan.first_stage, at.plan.effort.arms)
+
+    unit(measure, height, "5 UBMG", call)
+
+
+@heights
+def test_dynamic_filter(measure, robot, height):
+    def call(at):
+        zmp = robot.body.zmp(at.q, robot.walk.sample_time)
+        filtered_waist(robot, at.waist, at.plan.sequence.zmp, zmp)
+
+    unit(measure, height, "6 CWTG2, one pass", call)
+
+
+@heights
+def test_feet_adaptor(measure, robot, height):
+    def call(at):
+        adapt_feet(robot, at.obstacle, at.plan.sequence, at.filtered, at.plan.feet)
+
+    unit(measure, height, "7 FTA, one pass", call)
+
+
+@heights
+def test_verdict(measure, robot, height):
+    unit(measure, height, "verdict", lambda at: require(robot, at.obstacle, at.plan.motion))
