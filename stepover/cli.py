@@ -20,6 +20,7 @@ from stepover import __version__
 from stepover.errors import Infeasible, InvalidInput, StepOverError
 
 if TYPE_CHECKING:
+    from stepover.model.robot import Robot
     from stepover.simulation.measurements import Run
 
 DONE, BAD_INPUT, INFEASIBLE, NOT_CROSSED, INTERRUPTED = 0, 2, 3, 4, 130
@@ -193,6 +194,7 @@ class _Disturbed(click.Command):
     "--sole", type=click.Choice(["rigid", "compliant"]), default="rigid", show_default=True,
     help="Rigid soles, or rubber between ankle and sole.",
 )  # fmt: skip
+@click.option("--robot", metavar="TOML", help="Path to its robot.toml, where the motion's robot is none under data/.")
 @click.option("--stabilizer/--no-stabilizer", default=False, show_default=True, help="Feedback from the sensors.")
 @click.option("--perturb", multiple=True, metavar="NAME=VALUE", callback=_pairs, help="A disturbance, as listed below.")
 @click.option("--video", metavar="FILE", callback=_new_film, help="Film it from the side (mp4).")
@@ -201,6 +203,7 @@ def simulate(
     motion: str,
     actuators: str,
     sole: str,
+    robot: str | None,
     stabilizer: bool,
     perturb: dict[str, str],
     video: Path | None,
@@ -213,23 +216,27 @@ def simulate(
 
     Example: python -m stepover simulate motion.npz --video motion.mp4
     """
+    from stepover.model.robot import load_robot
     from stepover.motion import Motion
     from stepover.report import summary
     from stepover.simulation.run import simulate as run_simulation
 
-    disturbances = {name: _number(name, text) for name, text in perturb.items()}
+    disturbances = {name: _number(name, text) for name, text in perturb.items()} or None
     planned = Motion.load(motion)
-    run = run_simulation(planned, actuators=actuators, sole=sole, stabilizer=stabilizer, perturb=disturbances or None)
+    model = load_robot(robot or planned.robot)
+    run = run_simulation(
+        planned, actuators=actuators, sole=sole, stabilizer=stabilizer, perturb=disturbances, robot=model
+    )
     if video is not None:
         from stepover.simulation.video import record
 
         with _progress("filming") as progress:
-            record(run, video, progress=progress)
+            record(run, video, robot=model, progress=progress)
     click.echo(summary.as_line(run.to_json()) if as_json else summary.run_summary(run))
     if video is not None and not as_json:
         click.echo(f"\nfilmed in {video}")
     if not run.crossed:
-        _complain(f"{run.explanation}; {_plot_failure(run, video or Path(motion))}", NOT_CROSSED)
+        _complain(f"{run.explanation}; {_plot_failure(run, video or Path(motion), model)}", NOT_CROSSED)
 
 
 @contextlib.contextmanager
@@ -255,9 +262,8 @@ def _number(name: str, text: str) -> float:
     raise InvalidInput(f"{name} = {text!r} must be a finite number")
 
 
-def _plot_failure(run: Run, beside: Path) -> str:
+def _plot_failure(run: Run, beside: Path, robot: Robot) -> str:
     """Plot the second before the failure beside a file, or in build/; say where."""
-    from stepover.model.robot import load_robot
     from stepover.report import figures
 
     folder = beside.parent
@@ -265,7 +271,7 @@ def _plot_failure(run: Run, beside: Path) -> str:
         folder = Path("build")
         folder.mkdir(exist_ok=True)
     path = folder / f"{beside.stem}_failure.png"
-    figures.save(figures.failure(load_robot(run.motion.robot), run), path)
+    figures.save(figures.failure(robot, run), path)
     return f"the second before it is drawn in {path}"
 
 
@@ -273,7 +279,8 @@ def _plot_failure(run: Run, beside: Path) -> str:
 @click.argument("motion", metavar="MOTION.npz")
 @click.option("--output", required=True, metavar="FILE", callback=_new_page, help="Where the page goes (html).")
 @click.option("--time", type=float, help="Moment shown before it is played [s]; default: the first.")
-def view(motion: str, output: Path, time: float | None) -> None:
+@click.option("--robot", metavar="TOML", help="Path to its robot.toml, where the motion's robot is none under data/.")
+def view(motion: str, output: Path, time: float | None, robot: str | None) -> None:
     """Write a page that shows a planned motion in 3-D, to be opened in any browser, offline.
 
     It holds the robot, the obstacle with its margins, the footsteps and the ways of ZMP and CoM, to be turned with the
@@ -286,7 +293,7 @@ def view(motion: str, output: Path, time: float | None) -> None:
     from stepover.report.viewer import save_page
 
     planned = Motion.load(motion)
-    save_page(load_robot(planned.robot), planned, output, time)
+    save_page(load_robot(robot or planned.robot), planned, output, time)
     click.echo(f"written to {output}; open it in a browser")
 
 

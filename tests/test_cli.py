@@ -6,7 +6,6 @@ import os
 import re
 import subprocess
 import sys
-import types
 from pathlib import Path
 
 import numpy as np
@@ -228,6 +227,17 @@ class TestView:
         assert sorted(os.listdir()) == ["m.html", "m.npz"]
         assert "<title>hrp2 steps over an obstacle 5 cm high, 5 cm wide</title>" in Path("m.html").read_text()
 
+    def test_a_robot_that_is_none_under_data(self, motion, spoilt, tmp_path_factory):
+        path = tmp_path_factory.mktemp("motions") / "m.npz"
+        motion.save(path)
+        with np.load(path) as archive:
+            content = dict(archive) | {"robot": np.array("mine")}
+        np.savez(path, **content)
+        refused(call("view", path, "--output", "m.html"), 2, "mine")
+        result = call("view", path, "--output", "m.html", "--robot", spoilt({("name",): "mine"}))
+        assert result.exit_code == 0, result.output
+        assert Path("m.html").is_file()
+
     @pytest.mark.parametrize(
         ("arguments", "word"),
         [
@@ -321,6 +331,5 @@ def test_the_failure_plot_goes_to_build_where_the_motion_may_not(monkeypatch):
     monkeypatch.setattr(cli.os, "access", lambda *_: False)
     monkeypatch.setattr("stepover.report.figures.failure", lambda *_: None)
     monkeypatch.setattr("stepover.report.figures.save", lambda _, path: path.write_bytes(b""))
-    run = types.SimpleNamespace(motion=types.SimpleNamespace(robot="hrp2"))
-    assert "build/m_failure.png" in cli._plot_failure(run, Path("/m.npz"))
+    assert "build/m_failure.png" in cli._plot_failure(None, Path("/m.npz"), None)
     assert os.listdir("build") == ["m_failure.png"]

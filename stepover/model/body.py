@@ -31,26 +31,29 @@ class Body:
     """
 
     def __init__(self, urdf: Path) -> None:
-        """Read the URDF; meshes are looked for beside it.
+        """Read the URDF; meshes are looked for beside it, and those of package:// in the folders above it.
 
         Raises:
-            InvalidInput: no such file, not a URDF, or a joint with more than one degree of freedom.
+            InvalidInput: no such file, not a URDF, or a joint that is not revolute with limits.
         """
         try:
             self._model, self.geometry = pin.buildModelsFromUrdf(
-                str(urdf), package_dirs=[str(urdf.parent)], root_joint=pin.JointModelFreeFlyer(),
+                str(urdf), package_dirs=[str(folder) for folder in urdf.parents], root_joint=pin.JointModelFreeFlyer(),
                 geometry_types=[pin.GeometryType.COLLISION],
             )[:2]  # fmt: skip
         except (ValueError, RuntimeError) as error:
             raise InvalidInput(f"{urdf} cannot be read as a URDF: {str(error).splitlines()[0]}") from error
         for joint in list(self._model.joints)[2:]:
-            if (joint.nq, joint.nv) != (1, 1):
+            if (joint.nq, joint.nv) != (1, 1) or joint.shortname().startswith("JointModelP"):
                 name = self._model.names[joint.id]
                 raise InvalidInput(f"{urdf}: joint {name!r} must be revolute with limits, with one degree of freedom")
         self.joint_names = list(self._model.names)[2:]
         self.link_names = [frame.name for frame in self._model.frames if frame.type == pin.FrameType.BODY]
         self.lower, self.upper = self._model.lowerPositionLimit[7:].copy(), self._model.upperPositionLimit[7:].copy()
         self.speed_limits, self.effort_limits = self._model.velocityLimit[6:].copy(), self._model.effortLimit[6:].copy()
+        for k, name in enumerate(self.joint_names):
+            if self.lower[k] >= self.upper[k] or min(self.speed_limits[k], self.effort_limits[k]) <= 0.0:
+                raise InvalidInput(f"{urdf}: joint {name!r} needs a range, a speed limit and a torque limit")
         self.mass = float(pin.computeTotalMass(self._model))
         self._masses = np.array([inertia.mass for inertia in self._model.inertias])
         self._centres = np.array([inertia.lever for inertia in self._model.inertias])

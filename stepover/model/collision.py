@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 from typing import NamedTuple
 
 import coal
@@ -174,6 +175,16 @@ def distance_between(first: Shape, second: Shape, placements: Placements, sample
     ]
     request, result = coal.DistanceRequest(), coal.DistanceResult()
     return float(coal.distance(first.solid, places[0], second.solid, places[1], request, result))
+
+
+def hull_of_mesh(path: Path) -> tuple[np.ndarray, np.ndarray]:
+    """Corners (V, 3) of a mesh file's convex hull, and its triangles (T, 3), seen from outside counter-clockwise."""
+    hull = ConvexHull(np.array(coal.MeshLoader().load(str(path), np.ones(3)).vertices()))
+    corners, faces = hull.points[hull.vertices], np.searchsorted(hull.vertices, hull.simplices)
+    first, second, third = (corners[faces[:, k]] for k in range(3))
+    inward = np.einsum("na,na->n", np.cross(second - first, third - first), hull.equations[:, :3]) < 0.0
+    faces[inward] = faces[inward, ::-1]
+    return corners, faces
 
 
 def _corners(geometry: coal.CollisionGeometry, name: str) -> np.ndarray:

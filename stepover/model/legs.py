@@ -1,7 +1,8 @@
 """Inverse kinematics of six-joint legs over whole trajectories at once: step 4 of Algorithm 1.
 
-One method, Leg.inverse, and two solvers behind it: a closed form where the chain is yaw-roll-pitch-knee-pitch-roll
-with its hip and ankle axes meeting (HRP-2), and a damped Newton iteration for any other six-joint leg.
+One method, Leg.inverse, and the solvers behind it: closed forms where the axes of the hip meet, and those of the ankle
+(yaw-roll-pitch-knee-pitch-roll, as HRP-2 has it, here; any other order in meeting_axes), and a damped Newton iteration
+for any other six-joint leg.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from stepover.errors import InvalidInput, OutOfReach
 from stepover.model import pose
 from stepover.model.body import Body
 from stepover.model.kinematics import axis_rotation
+from stepover.model.meeting_axes import MeetingAxes
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,6 +64,11 @@ class Leg:
         meeting = [*origins[1], origins[2][0], origins[2][2], origins[5][0], origins[5][2]]
         return np.allclose(rotations, np.eye(3)) and np.allclose(axes, wanted) and np.allclose(meeting, 0.0)
 
+    @cached_property
+    def meeting_axes(self) -> MeetingAxes | None:
+        """What the other closed form needs: where hip axes meet and ankle axes meet, in any order; else None."""
+        return MeetingAxes.of(self._chain)
+
     @property
     def length(self) -> float:
         """Thigh, shank and ankle height [m]: what the paper's 21 % and 35 % refer to."""
@@ -107,7 +114,11 @@ class Leg:
 
     def attempt(self, waist: np.ndarray, sole: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """As inverse, without raising: angles (N, 6), and how far each target is out of reach (N,) [m] or 0."""
-        return self._closed_form(waist, sole) if self.is_closed_form else self._newton(waist, sole)
+        if self.is_closed_form:
+            return self._closed_form(waist, sole)
+        if self.meeting_axes is not None:
+            return self.meeting_axes.solve(waist, sole, self.ankle_height, self.rest[3])
+        return self._newton(waist, sole)
 
     @property
     def _knee(self) -> int:

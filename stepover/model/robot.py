@@ -16,6 +16,7 @@ from stepover.errors import InvalidInput
 from stepover.model.body import Body
 from stepover.model.collision import Shape, shapes_of
 from stepover.model.control_parameters import Stabilization
+from stepover.model.files import data_folder, find_urdf
 from stepover.model.legs import Leg
 from stepover.model.parameters import (
     Adaptor,
@@ -36,6 +37,8 @@ from stepover.model.physics_parameters import Servo, Simulation, SoleRubber
 from stepover.model.reading import read_section
 
 SIDES = {"left": 1, "right": -1}
+FLAT, ON_FLOOR = 0.5, 1e-3
+"""Degrees and m that a sole may be off in half-sitting: what rounded figures leave."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +48,7 @@ class Robot:
     Attributes:
         name: as it goes into a motion.
         folder: where robot.toml lies; the URDF is relative to it.
-        urdf: file name of the URDF.
+        urdf: file name of the URDF, or package://NAME/... for one in an installed Python package.
         root: name of the root link, the waist.
         legs, foot, outline, posture, upper_body, walk, feasibility, stepping_over, preview, adaptor, beyond_paper,
             verdict, quasi_static, simulation, servo, sole, stabilizer: the tables of robot.toml, each a dataclass of
@@ -93,16 +96,33 @@ class Robot:
         for name, side in SIDES.items():
             if side * self.body.origin(self.leg(side).joints[0])[1][1] < 0.0:
                 raise InvalidInput(f"legs.{name}: {self.leg(side).joints[0]!r} is not on the {name} side of the root")
+            self._require_standing(side)
         for knee in self.legs.knee:
             if knee not in (*self.legs.left, *self.legs.right):
                 raise InvalidInput(f"legs.knee: {knee!r} is in neither leg")
         if self.feasibility.waist_height_min >= self.posture.waist_height:
             raise InvalidInput("feasibility.waist_height_min must be less than posture.waist_height")
 
+    def _require_standing(self, side: int) -> None:
+        """Refuse a half-sitting in which a sole does not lie on the floor: it is seen from the last joint's frame."""
+        leg, rest = self.leg(side), self.half_sitting()[None]
+        turn, place = (part[0] for part in leg.sole(rest[:, :7], rest[:, leg.columns]))
+        tilt = float(np.degrees(np.arccos(np.clip((np.trace(turn) - 1.0) / 2.0, -1.0, 1.0))))
+        where = f"posture: in half-sitting the sole under {leg.joints[-1]!r}"
+        if tilt > FLAT:
+            raise InvalidInput(f"{where} is turned by {tilt:.1f} degrees from x ahead and z up; angles must cancel")
+        if abs(place[2]) > ON_FLOOR:
+            raise InvalidInput(f"{where} is at z = {1e3 * place[2]:.1f} mm; check waist_height and foot.ankle_height")
+
+    @cached_property
+    def urdf_path(self) -> Path:
+        """Where the URDF is."""
+        return find_urdf(self.urdf, self.folder)
+
     @cached_property
     def body(self) -> Body:
         """The multi-body model."""
-        return Body(self.folder / self.urdf)
+        return Body(self.urdf_path)
 
     @cached_property
     def shapes(self) -> list[Shape]:
@@ -193,13 +213,6 @@ def load_robot(robot: str | Path) -> Robot:
         return Robot(folder=path.parent.resolve(), **_read(table))
     except InvalidInput as error:
         raise InvalidInput(f"{path}: {error}") from error
-
-
-def data_folder() -> Path:
-    """Folder of the inputs: data/ of a checkout, or the copy that the wheel carries."""
-    package = Path(__file__).resolve().parents[1]
-    inside = package / "data"
-    return inside if inside.is_dir() else package.parent / "data"
 
 
 def _read(table: dict[str, Any]) -> dict[str, Any]:

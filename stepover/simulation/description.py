@@ -1,4 +1,7 @@
-"""The robot's URDF as the physics needs it: changed in memory, the file keeps its 30 joints.
+"""The robot's URDF as the physics needs it: changed in memory, the file stays as it is.
+
+Links on fixed joints are merged into what they are fixed to. Meshes that may collide, unless they are obj, become the
+convex hulls that the planner sees.
 
 For compliant soles each foot link is parted: the plate that touches the floor goes behind a rubber bush of three
 passive joints, up and down, roll and pitch, in the middle of which the ankle's shadow falls. Both parts together keep
@@ -8,12 +11,16 @@ the foot's mass, centre of mass and inertia.
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
+from pathlib import Path
 
 import numpy as np
 
 from stepover.errors import InvalidInput
+from stepover.model.collision import hull_of_mesh
+from stepover.model.files import find_mesh
 from stepover.model.robot import Robot
 from stepover.simulation.disturbances import Disturbances
+from stepover.simulation.rigid import Piece, child, merge_fixed, numbers_of, text_of
 
 BUSH = ("LIFT", "ROLL", "PITCH")
 """Names of a bush's joints behind that of its foot link, from the ankle down."""
@@ -29,18 +36,36 @@ class Description:
 
     Attributes:
         root: the document.
+        changed: whether it says something else than the file.
+        hulls: texts of obj files by their names, which must lie beside the text.
         passive: names of the bushes' joints, left foot first.
         bush_height: from the ankle down to the bush [m]; 0 without one.
     """
 
     def __init__(self, robot: Robot) -> None:
-        """Read the file; meshes get absolute names, so that the text may lie anywhere."""
+        """Read the file, and merge what is fixed; meshes get absolute names, so that the text may lie anywhere."""
         self._robot = robot
-        self.root = ET.parse(robot.folder / robot.urdf).getroot()
+        self.root = ET.parse(robot.urdf_path).getroot()
         self.passive: list[str] = []
         self.bush_height = 0.0
+        self.hulls: dict[str, str] = {}
         for mesh in self.root.iter("mesh"):
-            mesh.set("filename", str(robot.folder / mesh.get("filename", "")))
+            mesh.set("filename", str(find_mesh(mesh.get("filename", ""), robot.urdf_path)))
+        merged = merge_fixed(self.root)
+        for mesh in self.root.iterfind("link/collision/geometry/mesh"):
+            self._make_convex(mesh)
+        self.changed = merged or bool(self.hulls)
+
+    def _make_convex(self, mesh: ET.Element) -> None:
+        """Let a mesh be its convex hull, unless PyBullet reads it as coal does."""
+        path = Path(mesh.get("filename", ""))
+        if path.suffix.lower() == ".obj":
+            return
+        name = f"hull_{len(self.hulls)}.obj"
+        corners, faces = hull_of_mesh(path)
+        lines = [f"v {text_of(corner)}" for corner in corners] + [f"f {a} {b} {c}" for a, b, c in faces + 1]
+        self.hulls[name] = "\n".join([*lines, ""])
+        mesh.set("filename", name)
 
     def text(self) -> str:
         """The document as a string."""
@@ -54,17 +79,17 @@ class Description:
         """Name of the link behind the last joint of a leg: +1 left, -1 right."""
         last = (self._robot.legs.left if side > 0 else self._robot.legs.right)[-1]
         joint = next(joint for joint in self.root.iter("joint") if joint.get("name") == last)
-        return _child(joint, "child").get("link", "")
+        return child(joint, "child").get("link", "")
 
     def chest(self) -> str:
         """Name of the heaviest link that moves with the chest's yaw."""
-        joint_of = {_child(joint, "child").get("link"): joint for joint in self.root.iter("joint")}
+        joint_of = {child(joint, "child").get("link"): joint for joint in self.root.iter("joint")}
 
         def moves(name: str | None) -> bool:
             while name in joint_of:
                 if joint_of[name].get("name") == self._robot.upper_body.chest_yaw:
                     return True
-                name = _child(joint_of[name], "parent").get("link")
+                name = child(joint_of[name], "parent").get("link")
             return False
 
         links = [link for link in self.root.iter("link") if moves(link.get("name"))]
@@ -72,14 +97,16 @@ class Description:
 
     def load(self, link: str, mass: float, shift: float) -> None:
         """Add mass [kg] at a link's centre of mass, and then move that ahead [m]."""
-        inertial = _child(self.link(link), "inertial")
-        weight, origin = _child(inertial, "mass"), _child(inertial, "origin")
+        self.changed = True
+        inertial = child(self.link(link), "inertial")
+        weight, origin = child(inertial, "mass"), child(inertial, "origin")
         weight.set("value", repr(float(weight.get("value", "0")) + mass))
-        place = _numbers(origin.get("xyz", "0 0 0"))
-        origin.set("xyz", _text(place + np.array([shift, 0.0, 0.0])))
+        place = numbers_of(origin.get("xyz", "0 0 0"))
+        origin.set("xyz", text_of(place + np.array([shift, 0.0, 0.0])))
 
     def soften(self) -> None:
         """Put both soles on rubber."""
+        self.changed = True
         for side in (1, -1):
             self._soften(self.foot(side))
 
@@ -97,16 +124,16 @@ class Description:
         rest.write(link)
         parent, places = foot, [below, np.zeros(3), np.zeros(3)]
         for name, piece, place in zip(BUSH, pieces, places, strict=True):
-            child = f"{foot}_{name}"
-            self.root.append(_joint(child, parent, place, AXES[name]))
-            new = ET.SubElement(self.root, "link", name=child)
+            part = f"{foot}_{name}"
+            self.root.append(_joint(part, parent, place, AXES[name]))
+            new = ET.SubElement(self.root, "link", name=part)
             piece.moved(-below).write(new)
-            self.passive.append(child)
-            parent = child
+            self.passive.append(part)
+            parent = part
         for element in plate:
             link.remove(element)
-            origin = _child(element, "origin")
-            origin.set("xyz", _text(_numbers(origin.get("xyz", "0 0 0")) - below))
+            origin = child(element, "origin")
+            origin.set("xyz", text_of(numbers_of(origin.get("xyz", "0 0 0")) - below))
             new.append(element)
 
     def _plate(self, link: ET.Element) -> tuple[list[ET.Element], float]:
@@ -117,8 +144,8 @@ class Description:
                 box = element.find("geometry/box")
                 if box is None:
                     continue
-                middle = _numbers(_child(element, "origin").get("xyz", "0 0 0"))[2]
-                half = _numbers(box.get("size", ""))[2] / 2.0
+                middle = numbers_of(child(element, "origin").get("xyz", "0 0 0"))[2]
+                half = numbers_of(box.get("size", ""))[2] / 2.0
                 if abs(middle - half + self._robot.foot.ankle_height) < NEAR_SOLE:
                     found.append((element, middle + half))
         if not found or found[0][0].tag != "collision":
@@ -136,59 +163,11 @@ def describe(robot: Robot, sole: str, disturbances: Disturbances) -> Description
     return description
 
 
-class Piece:
-    """A rigid body: mass [kg], centre of mass (3,) [m], inertia (3, 3) about that [kg m^2], in a link's frame."""
-
-    def __init__(self, mass: float, centre: np.ndarray, inertia: np.ndarray) -> None:
-        """Put it together."""
-        self.mass, self.centre, self.inertia = mass, centre, inertia
-
-    @staticmethod
-    def of(link: ET.Element) -> Piece:
-        """What a link's inertial says; its frame must be parallel to the link's."""
-        inertial = _child(link, "inertial")
-        origin, inertia = _child(inertial, "origin"), _child(inertial, "inertia")
-        if np.any(_numbers(origin.get("rpy", "0 0 0"))):
-            raise InvalidInput(f"a compliant sole needs an inertia of {link.get('name')} in the link's own axes")
-        xx, yy, zz, xy, xz, yz = (float(inertia.get(f"i{axes}", "0")) for axes in ("xx", "yy", "zz", "xy", "xz", "yz"))
-        matrix = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-        return Piece(float(_child(inertial, "mass").get("value", "0")), _numbers(origin.get("xyz", "")), matrix)
-
-    def moved(self, by: np.ndarray) -> Piece:
-        """The same, elsewhere."""
-        return Piece(self.mass, self.centre + by, self.inertia)
-
-    def without(self, others: list[Piece]) -> Piece:
-        """What is left when others are taken out."""
-        mass = self.mass - sum(other.mass for other in others)
-        centre = (self.mass * self.centre - sum(other.mass * other.centre for other in others)) / mass
-        about = self.inertia + _steiner(self.mass, self.centre - centre)
-        for other in others:
-            about = about - other.inertia - _steiner(other.mass, other.centre - centre)
-        return Piece(mass, centre, about)
-
-    def write(self, link: ET.Element) -> None:
-        """Make it the inertial of a link."""
-        for old in link.findall("inertial"):
-            link.remove(old)
-        inertial = ET.SubElement(link, "inertial")
-        ET.SubElement(inertial, "origin", xyz=_text(self.centre))
-        ET.SubElement(inertial, "mass", value=repr(float(self.mass)))
-        m = self.inertia
-        entries = {"ixx": m[0, 0], "iyy": m[1, 1], "izz": m[2, 2], "ixy": m[0, 1], "ixz": m[0, 2], "iyz": m[1, 2]}
-        ET.SubElement(inertial, "inertia", {name: repr(float(value)) for name, value in entries.items()})
-
-
-def _steiner(mass: float, lever: np.ndarray) -> np.ndarray:
-    """Inertia (3, 3) of a point mass at a lever (3,)."""
-    return mass * (lever @ lever * np.eye(3) - np.outer(lever, lever))
-
-
 def _box(element: ET.Element, mass: float) -> Piece:
     """A homogeneous box, where a collision shape is."""
     box = element.find("geometry/box")
-    sides = _numbers("" if box is None else box.get("size", "")) ** 2
-    return Piece(mass, _numbers(_child(element, "origin").get("xyz", "")), mass / 12.0 * np.diag(sides.sum() - sides))
+    sides = numbers_of("" if box is None else box.get("size", "")) ** 2
+    return Piece(mass, numbers_of(child(element, "origin").get("xyz", "")), mass / 12.0 * np.diag(sides.sum() - sides))
 
 
 def _joint(name: str, parent: str, place: np.ndarray, axis: str) -> ET.Element:
@@ -196,25 +175,7 @@ def _joint(name: str, parent: str, place: np.ndarray, axis: str) -> ET.Element:
     joint = ET.Element("joint", name=name, type="prismatic" if name.endswith("LIFT") else "revolute")
     ET.SubElement(joint, "parent", link=parent)
     ET.SubElement(joint, "child", link=name)
-    ET.SubElement(joint, "origin", xyz=_text(place))
+    ET.SubElement(joint, "origin", xyz=text_of(place))
     ET.SubElement(joint, "axis", xyz=axis)
     ET.SubElement(joint, "limit", lower="-1", upper="1", velocity="1e3", effort="1e6")
     return joint
-
-
-def _child(element: ET.Element, name: str) -> ET.Element:
-    """A child that must be there."""
-    found = element.find(name)
-    if found is None:
-        raise InvalidInput(f"the URDF's {element.tag} {element.get('name', '')} has no <{name}>")
-    return found
-
-
-def _numbers(text: str) -> np.ndarray:
-    """Numbers of an attribute."""
-    return np.array([float(x) for x in text.split()])
-
-
-def _text(numbers: np.ndarray) -> str:
-    """An attribute of numbers."""
-    return " ".join(repr(float(x)) for x in numbers)

@@ -14,6 +14,7 @@ import numpy as np
 
 from stepover.model.pose import Rotation
 from stepover.model.robot import Robot
+from stepover.simulation.description import Description
 
 
 @contextmanager
@@ -39,17 +40,19 @@ with silenced():
     import pybullet
 
 
-def load_body(robot: Robot, client: int, text: str | None = None) -> int:
-    """Load the robot into a client from its URDF, or from a changed text of it, and give its number.
+def load_body(robot: Robot, client: int, description: Description | None = None) -> int:
+    """Load the robot into a client, as a description says or as its URDF does, and give its number.
 
     Self-collision stays off: neighbouring boxes overlap at the joints by design, and the planner keeps the legs apart.
     """
     flags = pybullet.URDF_USE_INERTIA_FROM_FILE
-    if text is None:
-        return int(pybullet.loadURDF(str(robot.folder / robot.urdf), flags=flags, physicsClientId=client))
+    description = description or Description(robot)
+    if not description.changed:
+        return int(pybullet.loadURDF(str(robot.urdf_path), flags=flags, physicsClientId=client))
     with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / robot.urdf
-        path.write_text(text)
+        for name, text in {robot.urdf_path.name: description.text(), **description.hulls}.items():
+            (Path(folder) / name).write_text(text)
+        path = Path(folder) / robot.urdf_path.name
         return int(pybullet.loadURDF(str(path), flags=flags, physicsClientId=client))
 
 

@@ -52,8 +52,7 @@ class World:
             self.client = pybullet.connect(pybullet.DIRECT)
             self._floor = self._plane()
             self._obstacle = None if obstacle is None else self._beam(*obstacle[:3])
-            text = description.text() if sole == "compliant" or disturbances.loads else None
-            self.robot = load_body(robot, self.client, text)
+            self.robot = load_body(robot, self.client, description)
         self.links, index = names_of(self.robot, self.client)
         self.joints = [index[name] for name in robot.body.joint_names]
         self.passive = [index[name] for name in description.passive]

@@ -1,0 +1,241 @@
+"""A robot of one's own: JVRC-1 from data/jvrc1/robot.toml alone, and what is refused of a URDF that will not do."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+import xml.etree.ElementTree as ET
+from importlib.util import find_spec
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from conftest import HRP2, as_toml
+from scipy.spatial import ConvexHull
+
+from stepover import InvalidInput, Obstacle, load_robot, plan, simulate
+from stepover.model.body import Body
+from stepover.model.files import data_folder, find_mesh, find_urdf
+from stepover.report.delta_ds import delta_ds_stepping_over
+from stepover.simulation.description import Description
+from stepover.simulation.engine import load_body, pybullet, silenced
+from stepover.simulation.rigid import merge_fixed
+
+JVRC1 = data_folder() / "jvrc1"
+needs_jvrc1 = pytest.mark.skipif(
+    find_spec("jvrc_description") is None, reason="jvrc_description is not installed (pip install jvrc_description)"
+)
+OBSTACLE = Obstacle(height=0.18, width=0.05)
+"""21 % of the leg."""
+
+BODY = '<inertial><origin xyz="{xyz}" rpy="{rpy}"/><mass value="{mass}"/>'
+BODY += '<inertia ixx="0.3" iyy="0.2" izz="0.15" ixy="0.01" ixz="-0.02" iyz="0.03"/></inertial>'
+FIXED = f"""<robot name="r"><link name="base"/><link name="a">{BODY.format(xyz="0.1 0 0.2", rpy="0 0 0", mass=3)}</link>
+<link name="b">{BODY.format(xyz="0 0.1 0", rpy="0.3 -0.2 0.5", mass=2)}</link><link name="frame"/>
+<link name="c">{BODY.format(xyz="0 0 0.1", rpy="0 0 0", mass=1)}</link>
+<joint name="deep" type="fixed"><parent link="b"/><child link="frame"/><origin xyz="0.1 0.2 0.3" rpy="0.1 0 0"/></joint>
+<joint name="one" type="fixed"><parent link="base"/><child link="a"/><origin xyz="0 0 0.1" rpy="0.5 0.1 -0.3"/></joint>
+<joint name="two" type="fixed"><parent link="a"/><child link="b"/><origin xyz="0.2 0 0" rpy="0 0.7 0"/></joint>
+<joint name="turn" type="revolute"><parent link="frame"/><child link="c"/><origin xyz="0 0.1 0" rpy="0 0 0.4"/>
+<axis xyz="0 1 0"/><limit lower="-1" upper="1" velocity="1" effort="1"/></joint></robot>"""
+
+
+@pytest.fixture(scope="module")
+def jvrc1():
+    """JVRC-1."""
+    return load_robot("jvrc1")
+
+
+@pytest.fixture(scope="module")
+def crossing(jvrc1):
+    """It steps over 18 cm."""
+    return plan(jvrc1, OBSTACLE)
+
+
+def shapes_under(robot, joint):
+    """Corners (V, 3) of what a joint moves, in its frame."""
+    return np.vstack([shape.vertices for shape in robot.shapes if shape.joint == robot.body.index(joint)])
+
+
+def same_dynamics(text, whole):
+    """Compare a URDF's text with pinocchio's own reading of another, link by link."""
+    ours = pin.buildModelFromXML(text, pin.JointModelFreeFlyer())
+    assert list(ours.names) == list(whole.names)
+    for mine, theirs in zip(ours.inertias, whole.inertias, strict=True):
+        assert mine.mass == pytest.approx(theirs.mass, abs=1e-12)
+        np.testing.assert_allclose(mine.lever, theirs.lever, atol=1e-12)
+        np.testing.assert_allclose(mine.inertia, theirs.inertia, atol=1e-12)
+    for mine, theirs in zip(ours.jointPlacements, whole.jointPlacements, strict=True):
+        np.testing.assert_allclose(mine.homogeneous, theirs.homogeneous, atol=1e-12)
+
+
+@needs_jvrc1
+def test_it_crosses_21_percent_of_its_leg(jvrc1, crossing):
+    run = simulate(crossing)
+    assert OBSTACLE.height / jvrc1.leg(1).length == pytest.approx(0.21, abs=0.001)
+    assert run.crossed, run.explanation
+    assert run.clearance_min >= 0.025
+    assert run.speed_ratio_max < 1.0
+
+
+@needs_jvrc1
+def test_it_weighs_in_pybullet_what_it_weighs(jvrc1):
+    assert jvrc1.body.mass == pytest.approx(62.4)
+    with silenced():
+        client = pybullet.connect(pybullet.DIRECT)
+    try:
+        with silenced():
+            body = load_body(jvrc1, client)
+        links = range(-1, pybullet.getNumJoints(body, client))
+        names = ["", *(pybullet.getJointInfo(body, link, client)[1].decode() for link in links[1:])]
+        masses = [pybullet.getDynamicsInfo(body, link, client)[0] for link in links]
+        assert sum(masses) == pytest.approx(62.4)
+        assert len(masses) == 1 + len(jvrc1.body.joint_names)
+        boxes = {name: pybullet.getAABB(body, link, client) for name, link in zip(names, links, strict=True)}
+    finally:
+        pybullet.disconnect(client)
+    placed = jvrc1.body.placements(pin.neutral(jvrc1.body.model)[None])
+    for shape in jvrc1.shapes:  # PyBullet's boxes have a margin around them
+        corners = shape.vertices @ placed.rotations[0, shape.joint].T + placed.positions[0, shape.joint]
+        low, high = boxes["" if shape.joint == 1 else jvrc1.body.joint_names[shape.joint - 2]]
+        np.testing.assert_allclose(low, corners.min(axis=0), atol=0.006)
+        np.testing.assert_allclose(high, corners.max(axis=0), atol=0.006)
+
+
+@needs_jvrc1
+def test_merged_it_moves_as_pinocchio_says(jvrc1):
+    same_dynamics(Description(jvrc1).text(), jvrc1.body.model)
+
+
+def test_fixed_parts_are_merged_as_pinocchio_does_it():
+    root = ET.fromstring(FIXED)
+    assert merge_fixed(root)
+    assert [link.get("name") for link in root.findall("link")] == ["base", "c"]
+    same_dynamics(ET.tostring(root, encoding="unicode"), pin.buildModelFromXML(FIXED, pin.JointModelFreeFlyer()))
+
+
+def test_a_robot_without_fixed_parts_stays_as_it_is(robot):
+    assert not Description(robot).changed
+
+
+def test_a_moving_link_without_mass_is_named():
+    with pytest.raises(InvalidInput, match="'c' has no mass"):
+        merge_fixed(ET.fromstring(re.sub(r'<link name="c">.*?</link>', '<link name="c"/>', FIXED)))
+
+
+@needs_jvrc1
+def test_the_foot_is_the_meshs(jvrc1):
+    for side in (1, -1):
+        foot = shapes_under(jvrc1, jvrc1.leg(side).joints[-1])
+        low, high = foot.min(axis=0), foot.max(axis=0)
+        expected = [-jvrc1.foot.heel, jvrc1.foot.toe, -jvrc1.foot.ankle_height]
+        np.testing.assert_allclose([low[0], high[0], low[2]], expected, atol=1e-4)
+        assert jvrc1.foot.sole_length == pytest.approx(high[0] - low[0], abs=1e-4)
+        ground = ConvexHull(foot[foot[:, 2] < low[2] + 0.002][:, :2])
+        edges = ground.equations[:, :2] @ jvrc1.contact_patch(side).T + ground.equations[:, 2:]
+        assert edges.max() <= 1e-6, "the patch reaches beyond what touches the floor"
+
+
+@needs_jvrc1
+def test_the_outline_is_the_shanks_hull(jvrc1):
+    for knee in jvrc1.legs.knee:
+        outline = np.array([*jvrc1.outline.front, *jvrc1.outline.rear])
+        shank = shapes_under(jvrc1, knee)[:, [0, 2]]
+        corners = shank[ConvexHull(shank).vertices]
+        away = np.linalg.norm(outline[:, None] - corners[None], axis=2)
+        assert away.min(axis=0).max() < 2e-4, "a corner of the hull is missing"
+        assert away.min(axis=1).max() < 1e-4, "a point of the outline is no corner of the hull"
+        assert outline[0, 1] > outline[len(jvrc1.outline.front) - 1, 1] < outline[-1, 1]
+
+
+@needs_jvrc1
+def test_derived_figures_are_those_of_the_model(jvrc1):
+    placed = jvrc1.body.placements(jvrc1.half_sitting()[None])
+    assert jvrc1.preview.com_height == pytest.approx(jvrc1.body.com(placed)[0, 2], abs=5e-4)
+    assert jvrc1.posture.feet_apart == pytest.approx(2.0 * jvrc1.body.origin("L_HIP_P")[1][1])
+    straight = np.degrees(jvrc1.leg(1).meeting_axes.straight)
+    assert jvrc1.verdict.knee_margin_deg - straight == pytest.approx(5.0, abs=0.1)
+    assert jvrc1.feasibility.knee_margin_deg - straight == pytest.approx(15.0, abs=0.1)
+
+
+@needs_jvrc1
+def test_delta_ds_is_measured(jvrc1, crossing):
+    measured = delta_ds_stepping_over(jvrc1, OBSTACLE, float(crossing.key_configuration[0])).waist
+    assert jvrc1.feasibility.delta_ds == pytest.approx(measured, abs=0.012)
+
+
+def test_every_figure_of_jvrc1_has_its_mark():
+    text = (JVRC1 / "robot.toml").read_text()
+    mark = r"\s[PDE]( (H|S\d|\[13\]|[IVX]+(-[A-Z]\d?)?))*$"
+    section, common = "", False
+    for entry in re.split(r"\n(?=\w+ = |\[[a-z])", text):
+        marked = any(re.search(mark, line) for line in entry.splitlines())
+        if entry.startswith("["):
+            section, common = entry.splitlines()[0], marked
+        elif section:
+            assert marked or common, f"{section} {entry}"
+
+
+def test_slow_may_be_empty():
+    assert tomllib.loads((JVRC1 / "robot.toml").read_text())["slow"] == {}
+
+
+def test_the_library_knows_no_robot_by_its_joints():
+    for path in Path(load_robot.__code__.co_filename).parents[1].rglob("*.py"):
+        assert "jvrc" not in path.read_text().lower(), path
+
+
+def changed(tmp_path, **changes):
+    """Load HRP-2 with another URDF text: each change is what to replace, and what by."""
+    text = (HRP2 / "hrp2.urdf").read_text().replace('filename="', f'filename="{HRP2}/')
+    for old, new in changes.values():
+        assert old in text
+        text = text.replace(old, new)
+    (tmp_path / "own.urdf").write_text(text)
+    table = tomllib.loads((HRP2 / "robot.toml").read_text()) | {"urdf": "own.urdf"}
+    (tmp_path / "robot.toml").write_text(as_toml(table))
+    return load_robot(tmp_path / "robot.toml")
+
+
+def test_a_package_that_is_not_installed_is_named():
+    with pytest.raises(InvalidInput, match="'no_such_description' is not installed"):
+        find_urdf("package://no_such_description/urdf/x.urdf", HRP2)
+
+
+def test_meshes_of_a_package_are_found_above_the_urdf(tmp_path):
+    mesh = tmp_path / "thing_description" / "meshes" / "a.obj"
+    mesh.parent.mkdir(parents=True)
+    mesh.write_text("")
+    urdf = tmp_path / "thing_description" / "urdf" / "thing.urdf"
+    assert find_mesh("package://thing_description/meshes/a.obj", urdf) == mesh
+    with pytest.raises(InvalidInput, match=r"b\.obj' is in no folder above"):
+        find_mesh("package://thing_description/meshes/b.obj", urdf)
+
+
+def test_a_joint_that_the_urdf_lacks_is_named(tmp_path):
+    with pytest.raises(InvalidInput, match="has no joint 'RLEG_JOINT5'"):
+        changed(tmp_path, joint=('"RLEG_JOINT5"', '"other_name"'))
+
+
+@pytest.mark.parametrize("kind", ["continuous", "prismatic", "floating"])
+def test_joints_of_other_kinds_are_named(tmp_path, kind):
+    with pytest.raises(InvalidInput, match="'HEAD_JOINT1' must be revolute with limits"):
+        changed(tmp_path, kind=('name="HEAD_JOINT1" type="revolute"', f'name="HEAD_JOINT1" type="{kind}"'))
+
+
+def test_a_joint_without_limits_is_named(tmp_path):
+    urdf = (HRP2 / "hrp2.urdf").read_text()
+    limit = re.search(r'name="HEAD_JOINT1".*?(<limit[^>]*>)', urdf, re.DOTALL).group(1)
+    lower, upper = (re.search(rf'{key}="[^"]*"', limit).group(0) for key in ("lower", "upper"))
+    bad = limit.replace(lower, 'lower="0"').replace(upper, 'upper="0"')
+    (tmp_path / "own.urdf").write_text(urdf.replace('filename="', f'filename="{HRP2}/').replace(limit, bad))
+    with pytest.raises(InvalidInput, match=r"needs a range, a speed limit and a torque limit"):
+        Body(tmp_path / "own.urdf")
+
+
+def test_a_sole_that_is_not_flat_or_not_on_the_floor_is_named(spoilt):
+    with pytest.raises(InvalidInput, match=r"'LLEG_JOINT5' is turned by 4\.0 degrees"):
+        load_robot(spoilt({("posture", "angles_deg", "LLEG_JOINT4"): -20.0}))
+    with pytest.raises(InvalidInput, match=r"is at z = 21\.3 mm; check waist_height"):
+        load_robot(spoilt({("posture", "waist_height"): 0.67}))
