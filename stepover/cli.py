@@ -458,9 +458,10 @@ def sweep(
     help="Change a parameter of the notebooks; may be repeated. Results go to build/ then.",
 )  # fmt: skip
 def reproduce(only: str | None, parameters: dict[str, str]) -> None:
-    """Run every notebook and write every figure to figures/; executed copies go to build/notebooks/.
+    """Run every notebook; write every figure and claim to figures/ and the claims to README's table.
 
-    With -p the figures go to build/figures/, so that an experiment never overwrites the reference.
+    Executed copies go to build/notebooks/. With -p figures and records go to build/figures/, so that an experiment
+    never overwrites the reference.
 
     Example: python -m stepover reproduce --only stepover_15cm -p height=0.1
     """

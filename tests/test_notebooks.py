@@ -7,7 +7,9 @@ from pathlib import Path
 import nbformat
 import pytest
 
+from stepover.report.claims import read_claims
 from stepover.report.reproduce import checkout, parameters_of, run_notebook
+from stepover.report.verdicts import read_entries, take_records
 
 NOTEBOOKS = sorted((Path(__file__).parents[1] / "notebooks").glob("*.ipynb"))
 FIGURES = {
@@ -26,6 +28,7 @@ FIGURES = {
         "strategies_over_time",
         "strategies_strip",
     },
+    "simplifications": set(),
     "pybullet_15cm": {"pybullet_zmp_and_waist", "pybullet_contact_forces", "pybullet_clearance", "fig10_strip"},
     "pybullet_25cm": {
         "fig6_strip",
@@ -45,6 +48,8 @@ FIGURES = {
 }
 OBSTACLES = {"adaptation": [0.15, 0.20, 0.25], "pybullet_25cm": 0.25, "stepover_25cm": 0.25}
 """Height [m] that a notebook has for a default, where it is not 0.15."""
+COARSE = {"waist-yaw", "without-ubmg"}
+"""Claims whose number is found on a coarser grid with quick parameters."""
 each = pytest.mark.parametrize("notebook", NOTEBOOKS, ids=lambda path: path.stem)
 
 
@@ -66,6 +71,16 @@ def test_runs_with_quick_parameters(notebook, tmp_path):
     drawn = {path.stem: path.read_bytes() for path in tmp_path.glob("*.png")}
     assert set(drawn) == FIGURES[notebook.stem]
     assert all(len(content) > 10_000 for content in drawn.values())
+    recorded = {row["id"]: row for row in take_records(tmp_path)}
+    stored = {row["id"]: row for row in read_entries(checkout() / "figures" / "claims.json")}
+    assert set(recorded) == {name for name, one in read_claims().items() if one.notebook == notebook.stem}
+    for name, row in recorded.items():
+        then = stored[name]["measured"]
+        if stored[name]["varies"]:
+            continue
+        assert (name, row["verdict"]) == (name, stored[name]["verdict"])
+        if name not in COARSE:
+            assert row["measured"] == (then if isinstance(then, str) else pytest.approx(then, rel=0.01, abs=1e-6)), name
 
 
 @each

@@ -1,7 +1,8 @@
 """The reproduction run: every notebook through papermill, every figure to its place. The only door to papermill.
 
 A notebook writes into a staging folder, and what it wrote is moved to figures/ once the whole notebook has
-succeeded: a run that fails or is killed leaves the old figures as they were.
+succeeded: a run that fails or is killed leaves the old figures as they were. What the notebooks recorded for the
+paper's claims is gathered at the end, once all of them have succeeded.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from stepover.errors import InvalidInput, StepOverError
+from stepover.report.verdicts import gather, take_records
 
 OUTPUT = "output"
 """The parameter that tells a notebook where its figures go; set here, not by the user."""
@@ -47,7 +49,7 @@ def checkout() -> Path:
 
 
 def reproduce(top: Path, only: str | None = None, parameters: dict[str, str] | None = None) -> list[Path]:
-    """Run the notebooks of a checkout and move their figures to their place.
+    """Run the notebooks of a checkout, move their figures to their place, and gather what they recorded.
 
     Args:
         top: the checkout, with notebooks/.
@@ -55,26 +57,29 @@ def reproduce(top: Path, only: str | None = None, parameters: dict[str, str] | N
         parameters: own values for the notebooks' parameters; the figures then go to build/figures/, else figures/.
 
     Returns:
-        The figures, as they were written.
+        What was written: the figures and, without values of one's own, figures/claims.json and README.md.
 
     Raises:
-        InvalidInput: an unknown notebook or parameter, or a value of the wrong type: nothing has run then.
+        InvalidInput: an unknown notebook or parameter, or a value of the wrong type: nothing has run then. Or records
+            and data/claims.toml disagree: the old claims are as they were.
         NotebookFailed: names notebook, cell and error; that notebook's old figures are as they were.
     """
     notebooks = find_notebooks(top, only)
     values = _own_values(notebooks, parameters or {})
     place = top / "build" / "figures" if parameters else top / "figures"
-    written = []
+    written, recorded = [], {}
     for notebook in notebooks:
         staging = top / "build" / "staging" / notebook.stem
         try:
             shutil.rmtree(staging, ignore_errors=True)
             staging.mkdir(parents=True)
             run_notebook(notebook, top / "build" / "notebooks" / notebook.name, staging, values[notebook])
+            if not parameters:
+                recorded[notebook.stem] = take_records(staging)
             written += _move(staging, place)
         except OSError as error:
             raise NotebookFailed(f"notebook {notebook.stem}: {error}") from error
-    return written
+    return written if parameters else written + gather(top, recorded, whole=only is None)
 
 
 def find_notebooks(top: Path, only: str | None = None) -> list[Path]:

@@ -1,0 +1,127 @@
+"""All claims together: gather what the notebooks recorded into figures/claims.json and README's table."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from stepover.errors import InvalidInput
+from stepover.motion import write_whole
+from stepover.report.claims import DIFFERS, Claim, read_claims
+from stepover.report.recorder import SUFFIX, as_json, shown
+from stepover.report.tables import table
+
+START, END = "<!-- claims -->", "<!-- /claims -->"
+"""Around README's table."""
+RECORDED = ("measured", "verdict", "reason", "parameters", "versions")
+Entry = dict[str, Any]
+
+
+def take_records(folder: Path) -> list[Entry]:
+    """Take the records out of a notebook's staging folder, so that only its figures are left there."""
+    rows: list[Entry] = []
+    for path in sorted(folder.glob(f"*{SUFFIX}")):
+        rows += json.loads(path.read_text())
+        path.unlink()
+    return rows
+
+
+def gather(top: Path, found: Mapping[str, list[Entry]], whole: bool) -> list[Path]:
+    """Write figures/claims.json and README's table.
+
+    Args:
+        top: the checkout, with data/claims.toml; without that file nothing is to be judged.
+        found: records by notebook, of those that ran.
+        whole: whether all notebooks ran; else the records of the others stay as they were.
+
+    Returns:
+        The files that were written.
+
+    Raises:
+        InvalidInput: a record without a claim, a claim without a record, or a verdict that differs without a reason;
+            nothing has been written then.
+    """
+    source, stored, readme = top / "data" / "claims.toml", top / "figures" / "claims.json", top / "README.md"
+    if not source.is_file() and not any(found.values()):
+        return []
+    claims = read_claims(source)
+    rows = {} if whole else {row["id"]: row for row in read_entries(stored) if row["id"] in claims}
+    rows = {name: row for name, row in rows.items() if claims[name].notebook not in found}
+    for notebook, records in found.items():
+        for row in records:
+            if row["id"] not in claims or claims[row["id"]].notebook != notebook:
+                raise InvalidInput(f"notebook {notebook} records {row['id']!r}, which is no claim of it in {source}")
+            rows[row["id"]] = row
+    missing = [name for name, one in claims.items() if name not in rows and (whole or one.notebook in found)]
+    if missing:
+        raise InvalidInput(f"claims without a record: {', '.join(f'{n} ({claims[n].notebook})' for n in missing)}")
+    silent = [name for name, row in rows.items() if row["verdict"] == DIFFERS and not row["reason"]]
+    if silent:
+        raise InvalidInput(f"claims that differ without a reason: {', '.join(silent)}")
+    entries = [entry(claims[name], rows[name]) for name in claims if name in rows]
+    text = with_table(readme, entries)
+    write_whole(stored, lambda file: file.write(as_json(entries).encode()))
+    write_whole(readme, lambda file: file.write(text.encode()))
+    return [stored, readme]
+
+
+def entry(claim: Claim, record: Entry) -> Entry:
+    """What claims.json holds of a claim."""
+    said = dataclasses.asdict(claim)
+    measured = {name: record[name] for name in RECORDED}
+    first = {name: said[name] for name in ("id", "section", "statement", "paper", "unit")}
+    then = {name: said[name] for name in ("compare", "bound", "tolerance", "varies", "notebook", "figure")}
+    return first | {"measured": measured.pop("measured")} | then | measured
+
+
+def read_entries(path: Path) -> list[Entry]:
+    """What claims.json holds; nothing where there is no such file.
+
+    Raises:
+        InvalidInput: it is not a list of claims.
+    """
+    if not path.is_file():
+        return []
+    try:
+        rows = json.loads(path.read_text())
+        return [dict(row, id=row["id"], **{name: row[name] for name in RECORDED}) for row in rows]
+    except (ValueError, TypeError, KeyError) as error:
+        raise InvalidInput(f"{path} is no list of claims; delete it and run 'make reproduce'") from error
+
+
+def readme_table(entries: list[Entry]) -> str:
+    """The claims as a table in markdown."""
+    rows = [
+        (
+            row["statement"], row["section"], f"[{row['notebook']}](notebooks/{row['notebook']}.ipynb)",
+            f"[{row['figure']}](figures/{row['figure']}.png)" if row["figure"] else "-",
+            shown(row["paper"], row["unit"]), shown(row["measured"], row["unit"]), _verdict(row),
+        )
+        for row in entries
+    ]  # fmt: skip
+    return table("claim | section | notebook | figure | paper | here | verdict", rows)._repr_markdown_()
+
+
+def with_table(readme: Path, entries: list[Entry]) -> str:
+    """README's text with the table between its markers.
+
+    Raises:
+        InvalidInput: the file cannot be read, or has not each marker once, in their order.
+    """
+    try:
+        text = readme.read_text()
+    except OSError as error:
+        raise InvalidInput(f"{readme} cannot be read: {error.strerror}") from error
+    if text.count(START) != 1 or text.count(END) != 1 or text.index(START) > text.index(END):
+        raise InvalidInput(f"{readme} must hold {START} and {END}, once each, for the table of claims")
+    before, after = text.split(START)[0], text.split(END)[1]
+    return f"{before}{START}\n{readme_table(entries)}\n{END}{after}"
+
+
+def _verdict(row: Entry) -> str:
+    """A verdict with its reason; what does not hold stands out."""
+    name = row["verdict"] if row["verdict"] == "holds" else f"**{row['verdict']}**"
+    return f"{name}: {row['reason']}" if row["reason"] else name
