@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from types import MappingProxyType
 
 import numpy as np
 import pytest
@@ -49,7 +50,15 @@ def test_higher_obstacles_need_the_known_longer_steps(robot, height, low, high):
 
 def test_a_wrong_start_shows(robot, obstacle, key):
     """Searched from a lower waist, the step comes out some 10 cm longer: the rear knee bends into the obstacle."""
-    low = dataclasses.replace(robot, posture=dataclasses.replace(robot.posture, waist_height=0.60))
+    rest = robot.half_sitting()
+    lower, angles = np.concatenate([rest[:2], [0.60], rest[3:7]])[None], dict(robot.posture.angles_deg)
+    for side in (1, -1):
+        leg = robot.leg(side)
+        turn, place = leg.sole(rest[None, :7], rest[None, leg.columns])
+        sole = pose.from_matrices(turn, place)
+        angles |= dict(zip(leg.joints, np.degrees(leg.inverse(lower, sole)[0]).tolist(), strict=True))
+    posture = dataclasses.replace(robot.posture, waist_height=0.60, angles_deg=MappingProxyType(angles))
+    low = dataclasses.replace(robot, posture=posture)
     assert key_configurations(low, obstacle)[0].x_ads > key.x_ads + 0.05
 
 

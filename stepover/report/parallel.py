@@ -98,9 +98,10 @@ def _watched(client: Any, address: str) -> Iterator[None]:
     except KeyboardInterrupt:
         if not lost.is_set():
             raise
-        raise StepOverError(f"the Dask scheduler at {address} is lost; what is finished is kept") from None
     finally:
         over.set()
+    if lost.is_set():  # joblib may also just end, with rows missing
+        raise StepOverError(f"the Dask scheduler at {address} is lost; what is finished is kept")
 
 
 def _require_same_code(client: Any) -> None:
