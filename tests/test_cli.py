@@ -14,6 +14,7 @@ from click.testing import CliRunner
 
 from stepover import Motion, Obstacle, __version__, load_robot, planner
 from stepover.cli import main
+from stepover.cli.simulate import plot_failure
 from stepover.errors import InvalidInput
 from stepover.report import summary
 
@@ -326,10 +327,8 @@ class TestWhole:
 
 
 def test_the_failure_plot_goes_to_build_where_the_motion_may_not(monkeypatch):
-    from stepover import cli
-
-    monkeypatch.setattr(cli.os, "access", lambda *_: False)
+    monkeypatch.setattr(os, "access", lambda *_: False)
     monkeypatch.setattr("stepover.report.figures.failure", lambda *_: None)
     monkeypatch.setattr("stepover.report.figures.save", lambda _, path: path.write_bytes(b""))
-    assert "build/m_failure.png" in cli._plot_failure(None, Path("/m.npz"), None)
+    assert "build/m_failure.png" in plot_failure(None, Path("/m.npz"), None)
     assert os.listdir("build") == ["m_failure.png"]

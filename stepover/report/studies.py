@@ -30,7 +30,7 @@ from stepover.report.reproduce import checkout
 
 Kind = TypeVar("Kind")
 
-INDEPENDENT = ("report", "cli.py", "__main__.py")
+INDEPENDENT = ("report", "cli", "__main__.py")
 """Code that no result depends on."""
 
 

@@ -1,0 +1,82 @@
+"""What all commands share: one-line errors, exit codes, a progress bar.
+
+Exit codes: 0 done; 2 bad input; 3 an obstacle that cannot be crossed; 4 the simulated robot fell or touched the
+obstacle; 130 interrupted. An error is one line on stderr. With --json, stdout is exactly one JSON object.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any, NoReturn
+
+import click
+
+from stepover.errors import Infeasible, StepOverError
+
+DONE, BAD_INPUT, INFEASIBLE, NOT_CROSSED, INTERRUPTED = 0, 2, 3, 4, 130
+
+
+class Commands(click.Group):
+    """A group of commands whose errors are one line on stderr, with our exit codes."""
+
+    def main(self, *args: Any, **options: Any) -> Any:
+        """Run a command and leave with its exit code."""
+        options["standalone_mode"] = False
+        try:
+            sys.exit(super().main(*args, **options) or DONE)
+        except click.exceptions.NoArgsIsHelpError as error:
+            click.echo(error.format_message(), err=True)
+            sys.exit(BAD_INPUT)
+        except click.Abort:
+            complain("interrupted", INTERRUPTED)
+        except click.ClickException as error:
+            context = getattr(error, "ctx", None)
+            hint = f"; see '{context.command_path} --help'" if context else ""
+            complain(error.format_message().rstrip(".") + hint, BAD_INPUT)
+        except StepOverError as error:
+            complain(str(error), exit_code(error))
+
+
+def exit_code(error: StepOverError) -> int:
+    """Exit code of an error: its own where it carries one, 3 for what cannot be crossed, else 2."""
+    return getattr(error, "exit_code", INFEASIBLE if isinstance(error, Infeasible) else BAD_INPUT)
+
+
+def complain(message: str, code: int) -> NoReturn:
+    """Print one line on stderr and leave."""
+    click.echo(f"error: {' '.join(message.split())}", err=True)
+    sys.exit(code)
+
+
+@contextlib.contextmanager
+def goes_on(output: Path) -> Iterator[None]:
+    """Where long work is interrupted: say that the same command goes on."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        complain(f"interrupted; what is finished is kept beside {output}: the same command goes on", INTERRUPTED)
+
+
+@contextlib.contextmanager
+def progress(what: str) -> Iterator[Callable[[float], None]]:
+    """A progress bar on stderr, where that is a terminal, to be called with the share done."""
+    from tqdm import tqdm
+
+    form = "{desc}: {percentage:3.0f}%|{bar}| {elapsed}<{remaining}"
+    with tqdm(total=1.0, desc=what, disable=None, leave=False, bar_format=form) as bar:
+
+        def show(share: float) -> None:
+            bar.n = share
+            bar.refresh()
+
+        yield show
+
+
+def one_thread_a_process() -> None:
+    """Before numpy is loaded: one thread a process, so that sums come out the same with any number of jobs."""
+    for threads in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
+        os.environ.setdefault(threads, "1")

@@ -1,0 +1,99 @@
+"""The command simulate: a motion in the physics, with disturbances if asked for, and filmed."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from stepover.cli.commands import NOT_CROSSED, complain, progress
+from stepover.cli.options import as_json, motion_file, new_file, pairs, physics, robot_file
+from stepover.errors import InvalidInput
+
+if TYPE_CHECKING:
+    from stepover.model.robot import Robot
+    from stepover.simulation.measurements import Run
+
+
+class _Disturbed(click.Command):
+    """A command whose help ends with all disturbances."""
+
+    def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write them as a list, with units and ranges."""
+        from stepover.simulation.disturbances import explained
+
+        with formatter.section("Disturbances, for --perturb"):
+            formatter.write_dl(explained())
+
+
+@click.command(cls=_Disturbed)
+@motion_file
+@physics()
+@robot_file
+@click.option("--stabilizer/--no-stabilizer", default=False, show_default=True, help="Feedback from the sensors.")
+@click.option("--perturb", multiple=True, metavar="NAME=VALUE", callback=pairs, help="A disturbance, as listed below.")
+@new_file("--video", "Film it from the side", ".mp4")
+@as_json
+def simulate(
+    motion: str,
+    actuators: str,
+    sole: str,
+    robot: str | None,
+    stabilizer: bool,
+    perturb: dict[str, str],
+    video: Path | None,
+    as_json: bool,
+) -> None:
+    """Carry out a planned motion in the physics simulation.
+
+    Ends with exit code 4 where the robot falls or touches the obstacle; a plot of the second before it then goes
+    beside the video, or beside the motion.
+
+    Example: python -m stepover simulate motion.npz --video motion.mp4
+    """
+    from stepover.model.robot import load_robot
+    from stepover.motion import Motion
+    from stepover.report import summary
+    from stepover.simulation.run import simulate as run_simulation
+
+    disturbances = {name: _number(name, text) for name, text in perturb.items()} or None
+    planned = Motion.load(motion)
+    model = load_robot(robot or planned.robot)
+    run = run_simulation(
+        planned, actuators=actuators, sole=sole, stabilizer=stabilizer, perturb=disturbances, robot=model
+    )
+    if video is not None:
+        from stepover.simulation.video import record
+
+        with progress("filming") as advance:
+            record(run, video, robot=model, progress=advance)
+    click.echo(summary.as_line(run.to_json()) if as_json else summary.run_summary(run))
+    if video is not None and not as_json:
+        click.echo(f"\nfilmed in {video}")
+    if not run.crossed:
+        complain(f"{run.explanation}; {plot_failure(run, video or Path(motion), model)}", NOT_CROSSED)
+
+
+def _number(name: str, text: str) -> float:
+    """A finite number out of name=value."""
+    with contextlib.suppress(ValueError):
+        if math.isfinite(float(text)):
+            return float(text)
+    raise InvalidInput(f"{name} = {text!r} must be a finite number")
+
+
+def plot_failure(run: Run, beside: Path, robot: Robot) -> str:
+    """Plot the second before the failure beside a file, or in build/; say where."""
+    from stepover.report import figures
+
+    folder = beside.parent
+    if not os.access(folder, os.W_OK):
+        folder = Path("build")
+        folder.mkdir(exist_ok=True)
+    path = folder / f"{beside.stem}_failure.png"
+    figures.save(figures.failure(robot, run), path)
+    return f"the second before it is drawn in {path}"

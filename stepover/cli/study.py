@@ -1,0 +1,82 @@
+"""The command study: one motion, many draws of everything that may be disturbed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from stepover.cli.commands import goes_on, one_thread_a_process
+from stepover.cli.options import as_json, new_file, physics
+from stepover.errors import InvalidInput
+
+
+@click.command()
+@click.argument("motion", metavar="[MOTION.npz]", required=False)
+@click.option("--height", type=float, help="Instead of a motion: height of the bare obstacle to plan for [m].")
+@click.option("--width", type=float, help="Its width, along the way [m].")
+@click.option(
+    "--runs", type=click.IntRange(1), default=200, show_default=True,
+    help="Draws; each is simulated twice, without and with the stabilizer.",
+)  # fmt: skip
+@click.option(
+    "--seed", type=click.IntRange(0), default=0, show_default=True,
+    help="Of the draws. Draw k depends on the seed and on k alone.",
+)  # fmt: skip
+@physics(actuators="limited", sole="compliant")
+@click.option("--jobs", type=click.IntRange(1), help="Simulations at a time; default: one a core.")
+@new_file("--output", "Where the table goes (csv)", required=True)
+@new_file("--picture", "Also draw success over disturbance", ".png")
+@as_json
+def study(
+    motion: str | None,
+    height: float | None,
+    width: float | None,
+    runs: int,
+    seed: int,
+    actuators: str,
+    sole: str,
+    jobs: int | None,
+    output: Path,
+    picture: Path | None,
+    as_json: bool,
+) -> None:
+    """Carry out a motion under many disturbances drawn at random, with and without the stabilizer.
+
+    Each draw is uniform: friction 0.4 to 1; the floor up to 5 mm higher or lower under each foothold, and sloped by up
+    to 1 degree ahead and to the side; 5 % more or less mass on the chest, whose CoM is up to 10 mm off; the obstacle up
+    to 20 mm nearer or farther; one push of up to 80 N for 0.1 s at any time in any direction; readings 5 to 10 ms old.
+
+    Finished simulations are kept beside the output in a .part file. Where the study was interrupted or killed, or
+    --runs has grown, the same command goes on from there. The table does not depend on interruptions or --jobs.
+    Its columns are named as the disturbances of simulate --perturb, to look at one draw alone.
+
+    Example: python -m stepover study motion.npz --runs 50 --output table.csv --picture table.png
+    """
+    one_thread_a_process()
+    from stepover.motion import Motion
+    from stepover.report import robustness, success_rates, summary
+
+    if motion is not None and (height is not None or width is not None):
+        raise InvalidInput("give either a motion or --height and --width, not both")
+    if motion is not None:
+        planned = Motion.load(motion)
+    elif height is not None and width is not None:
+        from stepover import Obstacle, load_robot, plan
+
+        planned = plan(load_robot("hrp2"), Obstacle(height, width))
+    else:
+        raise InvalidInput("give a motion, such as motion.npz, or --height and --width")
+    with goes_on(output):
+        robustness.study(
+            planned, runs, seed, actuators=actuators, sole=sole, table=output, build=output.parent, workers=jobs
+        )
+    rows = robustness.read_table(output)
+    if picture is not None:
+        from stepover.report import figures
+
+        figures.save(figures.robustness(rows), picture)
+    if as_json:
+        click.echo(summary.as_line(success_rates.study_to_json(rows)))
+    else:
+        click.echo(f"{summary.aligned(success_rates.study_summary(rows))}\n\nwritten to {output}")
