@@ -45,12 +45,20 @@ class Point:
         variation: one of VARIATIONS.
         profile, swing_time: as in landing_motion.
         robot: its name.
+        height, width: of the obstacle [m]; in the stored table the paper's.
     """
 
     variation: str
     profile: str
     swing_time: float
     robot: str = "hrp2"
+    height: float = HEIGHT
+    width: float = WIDTH
+
+    @property
+    def motion(self) -> Motion:
+        """That is to land."""
+        return _motion(self.robot, self.profile, self.swing_time, self.height, self.width)
 
 
 @dataclass(frozen=True)
@@ -88,21 +96,20 @@ def points() -> list[Point]:
 
 
 @lru_cache(maxsize=8)
-def motion_of(robot: str, profile: str, swing_time: float) -> Motion:
-    """The motion over the paper's obstacle, made once a process."""
-    return landing_motion(robot_of(robot), Obstacle(HEIGHT, WIDTH), profile, swing_time)
+def _motion(robot: str, profile: str, swing_time: float, height: float, width: float) -> Motion:
+    """Made once a process."""
+    return landing_motion(robot_of(robot), Obstacle(height, width), profile, swing_time)
 
 
 def landing_of(point: Point) -> Landing:
     """Let one motion land."""
-    motion = motion_of(point.robot, point.profile, point.swing_time)
-    return VARIATIONS[point.variation].land(robot_of(point.robot), motion)
+    return VARIATIONS[point.variation].land(robot_of(point.robot), point.motion)
 
 
 def row_of(point: Point, landing: Landing | None) -> Landed:
     """The row of a point, and of what became of it if that was simulated."""
-    motion = motion_of(point.robot, point.profile, point.swing_time)
-    row = Landed(point.robot, __version__, point.variation, point.profile, point.swing_time, motion.hash())
+    made = __version__, point.variation, point.profile, point.swing_time
+    row = Landed(point.robot, *made, point.motion.hash())
     if landing is None:
         return row
     values = {name: rounded(getattr(landing, name)) for name in MEASURED}

@@ -117,18 +117,21 @@ def controlled(rows: Sequence[Landed]) -> Table:
 
 
 def measured(
-    robot: Robot, rows: Sequence[Landed], profiles: Sequence[Profile], curves: Curves
+    robot: Robot, rows: Sequence[Landed], anew: Mapping[Point, Landing], profiles: Sequence[Profile], curves: Curves
 ) -> list[tuple[str, float, str]]:
     """The claims of II-C and III-B: id, what is measured, and what it depends on.
 
     Args:
         robot: for its weight.
-        rows: of the stored table.
+        rows: of the stored table, for what it depends on.
+        anew: landings as they were simulated, among them both swings in the same time on the published rubber.
         profiles: shaped and naive, in the same time.
         curves: through the control points of leg 1.
     """
     weight = robot.body.mass * GRAVITY
-    naive, shaped = pair(rows, BASES[0])
+    peaks = {point.profile: one.peak for point, one in anew.items() if point.variation == BASES[0]
+             and point.swing_time == LONG}  # fmt: skip
+    naive, shaped = peaks[NAIVE], peaks[SHAPED]
     down = [f"{profile.speed_near_floor():.2f}" for profile in profiles]
     fitted = pair(rows, FITTED, SHORT)
     early, rigid = pair(rows, BASES[0], value="touch_down"), pair(rows, BASES[1])
