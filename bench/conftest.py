@@ -43,10 +43,12 @@ def robot() -> Robot:
 def measure(benchmark: Any, request: pytest.FixtureRequest) -> Callable[..., Any]:
     """Time a call: measure(what, group, call, setup, rounds) with new arguments from setup(number) each time."""
 
-    def timed(what: str, group: str, call: Callable[..., Any], setup: Callable[[int], tuple], rounds: int) -> Any:
+    def timed(
+        what: str, group: str, call: Callable[..., Any], setup: Callable[[int], tuple], rounds: int, warmup: int = 1
+    ) -> Any:
         rounds = request.config.getoption("--rounds") or rounds
         numbers: Iterator[int] = count()
         benchmark.group, benchmark.extra_info["what"] = group, what
-        return benchmark.pedantic(call, setup=lambda: (setup(next(numbers)), {}), rounds=rounds, warmup_rounds=1)
+        return benchmark.pedantic(call, setup=lambda: (setup(next(numbers)), {}), rounds=rounds, warmup_rounds=warmup)
 
     return timed
