@@ -43,3 +43,17 @@ def test_quaternions_of_a_full_turn_have_no_sign_jumps():
     assert np.abs(np.diff(poses[:, 3:], axis=0)).max() < 0.05
     np.testing.assert_allclose(pose.rotation(poses), matrices, atol=1e-12)
     assert poses[0, 6] > 0.0
+
+
+def test_single_quaternions_agree_with_scipy():
+    for first, second in RNG.normal(size=(20, 2, 4)):
+        one, other = Rotation.from_quat(first), Rotation.from_quat(second)
+        np.testing.assert_allclose(pose.unit(first), one.as_quat(), atol=1e-15)
+        np.testing.assert_allclose(pose.product(one.as_quat(), other.as_quat()), (one * other).as_quat(), atol=1e-15)
+        np.testing.assert_allclose(pose.axes(one.as_quat()), one.as_matrix(), atol=1e-15)
+
+
+def test_cross_product_is_right_handed():
+    np.testing.assert_array_equal(pose.cross([1.0, 0.0, 0.0], [0.0, 1.0, 0.0]), [0.0, 0.0, 1.0])
+    a, b = RNG.normal(size=(2, 3))
+    np.testing.assert_allclose(pose.cross(a, b), np.cross(a, b), atol=1e-15)

@@ -2,8 +2,14 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
+
 import numpy as np
 from scipy.spatial.transform import Rotation
+
+Quaternion = tuple[float, float, float, float]
+"""x y z w."""
 
 
 def pose(position: np.ndarray, yaw: np.ndarray | float = 0.0, pitch: np.ndarray | float = 0.0) -> np.ndarray:
@@ -38,3 +44,41 @@ def from_matrices(rotations: np.ndarray, positions: np.ndarray) -> np.ndarray:
 def offset(poses: np.ndarray, vector: np.ndarray) -> np.ndarray:
     """Poses moved by a vector (3,) given in their own frames: (N, 7) to (N, 7)."""
     return np.column_stack([poses[:, :3] + rotation(poses) @ np.asarray(vector), poses[:, 3:]])
+
+
+def unit(quaternion: Sequence[float]) -> Quaternion:
+    """A quaternion x y z w at length one."""
+    x, y, z, w = quaternion
+    length = math.sqrt(x * x + y * y + z * z + w * w)
+    return x / length, y / length, z / length, w / length
+
+
+def product(first: Sequence[float], second: Sequence[float]) -> Quaternion:
+    """The rotation by the second unit quaternion, and then that by the first.
+
+    In the order of scipy's sums, so that both are equal to the bit; its Rotation takes thirty times as long for one.
+    """
+    (ax, ay, az, aw), (bx, by, bz, bw) = first, second
+    return unit((
+        aw * bx + bw * ax + (ay * bz - az * by),
+        aw * by + bw * ay + (az * bx - ax * bz),
+        aw * bz + bw * az + (ax * by - ay * bx),
+        aw * bw - ax * bx - ay * by - az * bz,
+    ))  # fmt: skip
+
+
+def axes(quaternion: Sequence[float]) -> np.ndarray:
+    """Rotation matrix (3, 3) of a single unit quaternion, as rotation gives it."""
+    x, y, z, w = quaternion
+    xx, yy, zz, ww = x * x, y * y, z * z, w * w
+    return np.array([
+        [xx - yy - zz + ww, 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)],
+        [2.0 * (x * y + z * w), -xx + yy - zz + ww, 2.0 * (y * z - x * w)],
+        [2.0 * (x * z - y * w), 2.0 * (y * z + x * w), -xx - yy + zz + ww],
+    ])  # fmt: skip
+
+
+def cross(a: Sequence[float], b: Sequence[float]) -> np.ndarray:
+    """Cross product (3,) of two single vectors, for which np.cross takes ten times as long."""
+    (ax, ay, az), (bx, by, bz) = a, b
+    return np.array([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx])

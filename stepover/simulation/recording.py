@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import hashlib
+import math
 
 import numpy as np
 
-from stepover.model import pose
 from stepover.model.physics_parameters import Simulation
+from stepover.model.pose import axes
 from stepover.simulation.touch import Touch
 from stepover.simulation.world import World
 
@@ -78,8 +79,8 @@ def has_fallen(parameters: Simulation, waist: np.ndarray, planned: np.ndarray, t
         planned: (7,) planned pose.
         touch: what touches it.
     """
-    up, planned_up = (pose.rotation(x[None])[0, :, 2] for x in (waist, planned))
-    tilt = float(np.degrees(np.arccos(np.clip(up @ planned_up, -1.0, 1.0))))
+    up, planned_up = (axes(x[3:].tolist())[:, 2] for x in (waist, planned))
+    tilt = math.degrees(math.acos(min(max(up @ planned_up, -1.0), 1.0)))
     drop = float(planned[2] - waist[2])
     if touch.others:
         return f"the floor is touched by {' and '.join(sorted(touch.others))}"

@@ -5,11 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from stepover.control.sensors import Sensed
-from stepover.model.pose import Rotation
+from stepover.model.pose import Rotation, cross, product, unit
 from stepover.model.robot import Robot
 from stepover.simulation.disturbances import Disturbances
 from stepover.simulation.touch import Touch
 from stepover.simulation.world import World
+
+STILL = Rotation.identity()
+"""No noise of the attitude."""
 
 
 class Senses:
@@ -20,7 +23,7 @@ class Senses:
         self._world, self._disturbances, self._period = world, disturbances, period
         self._ankles = [world.joints[robot.body.column(robot.leg(side).joints[-1]) - 7] for side in (1, -1)]
         self._random = np.random.default_rng(int(disturbances.seed))
-        self._upright = _upright(disturbances.gravity)
+        self._upright = _upright(disturbances.gravity).as_quat().tolist()
         self._readings: list[Sensed] = []
 
     def read(self, touch: Touch) -> None:
@@ -28,12 +31,12 @@ class Senses:
         d, add = self._disturbances, self._noise
         angles, _ = self._world.joint_motion(self._world.joints)
         pose, twist = self._world.base_motion()
-        shake = Rotation.from_rotvec(add(np.zeros(3), np.radians(d.noise_attitude)))
-        attitude = self._upright * Rotation.from_quat(pose[3:]) * shake
+        shake = Rotation.from_rotvec(add(np.zeros(3), np.radians(d.noise_attitude))) if d.noise_attitude else STILL
+        attitude = product(product(self._upright, unit(pose[3:].tolist())), shake.as_quat().tolist())
         wrenches = [self._at_ankle(link, wrench) for link, wrench in zip(self._ankles, touch.feet, strict=True)]
         noisy = [np.concatenate([add(w[:3], d.noise_force), add(w[3:], d.noise_moment)]) for w in wrenches]
         self._readings.append(
-            Sensed(add(angles, d.noise_joints), attitude.as_quat(), add(twist[3:], d.noise_rate), noisy[0], noisy[1])
+            Sensed(add(angles, d.noise_joints), np.array(attitude), add(twist[3:], d.noise_rate), noisy[0], noisy[1])
         )
 
     def late(self, age: float) -> Sensed:
@@ -47,7 +50,7 @@ class Senses:
     def _at_ankle(self, link: int, wrench: np.ndarray) -> np.ndarray:
         """A wrench about the world's origin as the sensor in an ankle has it."""
         place, axes = self._world.link_frame(link)
-        moment = wrench[3:] - np.cross(place, wrench[:3])
+        moment = wrench[3:] - cross(place, wrench[:3].tolist())
         return np.concatenate([wrench[:3] @ axes, moment @ axes])
 
     def _noise(self, value: np.ndarray, deviation: float) -> np.ndarray:

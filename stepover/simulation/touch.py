@@ -54,7 +54,8 @@ def _wrenches(contacts: list[tuple]) -> np.ndarray:
     """Forces and moments (C, 6) about the world's origin that contact points give to the robot."""
     if not contacts:
         return np.zeros((0, 6))
-    place, normal, first, second = (np.array([c[i] for c in contacts]) for i in (6, 7, 11, 13))
-    sizes = np.array([(c[9], c[10], c[12]) for c in contacts])
+    numbers = np.array([(*c[6], *c[7], *c[11], *c[13], c[9], c[10], c[12]) for c in contacts])
+    place, normal, first, second, sizes = (numbers[:, i : i + 3] for i in range(0, 15, 3))
     force = sizes[:, :1] * normal + sizes[:, 1:2] * first + sizes[:, 2:] * second
-    return np.column_stack([force, np.cross(place, force)])
+    (px, py, pz), (fx, fy, fz) = place.T, force.T
+    return np.column_stack([force, py * fz - pz * fy, pz * fx - px * fz, px * fy - py * fx])

@@ -10,7 +10,7 @@ import numpy as np
 
 from stepover.errors import InvalidInput
 from stepover.model.obstacle import LATERAL_HALF_EXTENT
-from stepover.model.pose import Rotation
+from stepover.model.pose import axes, product, unit
 from stepover.model.robot import Robot
 from stepover.simulation.description import describe
 from stepover.simulation.disturbances import NONE, Disturbances
@@ -64,6 +64,7 @@ class World:
         self._foot_floors: dict[int, int] = {}
         self._local = local_of(self.robot, self.client)
         self._lever = np.cross(self._local[0], np.eye(3)).T  # lever x spin, which np.cross takes its time for
+        self._back = self._local[1].inv().as_quat().tolist()
         self._from_inertial = pybullet.invertTransform(self._local[0].tolist(), self._local[1].as_quat().tolist())
         self._settle_physics()
 
@@ -106,7 +107,7 @@ class World:
         """
         count = len(self.joints)
         pybullet.setJointMotorControlArray(
-            self.robot, self.joints, pybullet.POSITION_CONTROL, angles, speeds, [torque] * count,
+            self.robot, self.joints, pybullet.POSITION_CONTROL, angles.tolist(), speeds.tolist(), [torque] * count,
             [correction] * count, [1.0] * count, self.client,
         )  # fmt: skip
 
@@ -138,14 +139,14 @@ class World:
         """Pose (7,) of the root link, and its velocity and angular velocity (6,) in its own axes."""
         middle, turn = pybullet.getBasePositionAndOrientation(self.robot, self.client)
         position, quaternion = pybullet.multiplyTransforms(middle, turn, *self._from_inertial)
-        axes = np.reshape(pybullet.getMatrixFromQuaternion(quaternion), (3, 3))
-        linear, spin = np.array(pybullet.getBaseVelocity(self.robot, self.client)) @ axes
-        return np.array([*position, *quaternion]), np.concatenate([linear + self._lever @ spin, spin])
+        frame = np.array(pybullet.getMatrixFromQuaternion(quaternion)).reshape(3, 3)
+        linear, spin = np.array(pybullet.getBaseVelocity(self.robot, self.client)) @ frame
+        return np.array(position + quaternion), np.concatenate([linear + self._lever @ spin, spin])
 
-    def link_frame(self, link: int) -> tuple[np.ndarray, np.ndarray]:
-        """Place (3,) and axes (3, 3), as columns, of a link's frame in the world."""
+    def link_frame(self, link: int) -> tuple[tuple[float, float, float], np.ndarray]:
+        """Place and axes (3, 3), as columns, of a link's frame in the world."""
         place, quaternion = pybullet.getLinkState(self.robot, link, 0, 1, self.client)[4:6]
-        return np.array(place), np.reshape(pybullet.getMatrixFromQuaternion(quaternion), (3, 3))
+        return place, np.array(pybullet.getMatrixFromQuaternion(quaternion)).reshape(3, 3)
 
     def bush(self) -> np.ndarray:
         """Deflections (6,) of the bushes: left up, roll, pitch, then right [m, rad]; zero where there are none."""
@@ -160,14 +161,14 @@ class World:
 
     def joint_states(self) -> np.ndarray:
         """Angle [rad], speed [rad/s] and motor torque of the last step [N m] of all joints: (3, nq - 7)."""
-        states = pybullet.getJointStates(self.robot, self.joints, self.client)
-        return np.array([(angle, speed, torque) for angle, speed, _, torque in states]).T
+        angles, speeds, _, torques = zip(*pybullet.getJointStates(self.robot, self.joints, self.client), strict=True)
+        return np.array([angles, speeds, torques])
 
     def base_pose(self) -> np.ndarray:
         """Pose (7,) of the root link."""
         position, quaternion = pybullet.getBasePositionAndOrientation(self.robot, self.client)
-        turn = Rotation.from_quat(quaternion) * self._local[1].inv()
-        return np.concatenate([position - turn.apply(self._local[0]), turn.as_quat()])
+        turn = product(unit(quaternion), self._back)
+        return np.concatenate([position - axes(turn) @ self._local[0], turn])
 
     def contacts(self) -> list[tuple]:
         """Contact points of the last step, as PyBullet gives them: for touch."""
