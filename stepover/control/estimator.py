@@ -146,7 +146,7 @@ class Estimator:
 
 def _matrix(quaternion: np.ndarray) -> np.ndarray:
     """Rotation (3, 3) of a unit quaternion (4,) x y z w."""
-    x, y, z, w = quaternion
+    x, y, z, w = quaternion.tolist()
     return np.array([
         [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)],
         [2.0 * (x * y + z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - x * w)],

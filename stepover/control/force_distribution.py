@@ -13,6 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from stepover.control.admittance import bounded
+
 
 class Distribution(NamedTuple):
     """Shares (2,) of the vertical force, and centres of pressure (2, 2) from under the ankles [m]; left, right."""
@@ -33,9 +35,9 @@ def distribute(zmp: np.ndarray, soles: np.ndarray, low: np.ndarray, high: np.nda
     between = soles[0] - soles[1]
     offset = zmp - soles[1]
     best = offset @ between / (between @ between)
-    share = float(np.clip(_within(best, offset, between, low.max(axis=0), high.min(axis=0)), 0.0, 1.0))
+    share = min(max(_within(best, offset, between, low.max(axis=0), high.min(axis=0)), 0.0), 1.0)
     common = offset - share * between
-    return Distribution(np.array([share, 1.0 - share]), np.clip(np.stack([common, common]), low, high))
+    return Distribution(np.array([share, 1.0 - share]), bounded(common, low, high))
 
 
 def _within(best: float, offset: np.ndarray, between: np.ndarray, low: np.ndarray, high: np.ndarray) -> float:
@@ -45,4 +47,4 @@ def _within(best: float, offset: np.ndarray, between: np.ndarray, low: np.ndarra
         if abs(step) > 1e-9:
             ends = sorted(((rest - least) / step, (rest - most) / step))
             first, last = max(first, ends[0]), min(last, ends[1])
-    return best if first > last else float(np.clip(best, first, last))
+    return best if first > last else min(max(best, first), last)

@@ -54,7 +54,7 @@ class LegCommands:
 
 def turned(angles: np.ndarray) -> np.ndarray:
     """Rotation (3, 3) by roll about x, then pitch about y, of the world: angles (2,) [rad]."""
-    (sr, sp), (cr, cp) = np.sin(angles), np.cos(angles)
+    (sr, sp), (cr, cp) = np.sin(angles).tolist(), np.cos(angles).tolist()
     return np.array([[cp, sp * sr, sp * cr], [0.0, cr, -sr], [-sp, cp * sr, cp * cr]])
 
 

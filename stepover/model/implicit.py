@@ -8,6 +8,7 @@ Pinocchio calls an inertia of a joint alone an armature, and solves for the acce
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import compress
 
 import numpy as np
 import pinocchio as pin
@@ -64,7 +65,8 @@ class Prediction:
         joint, corners = self._feet[foot]
         here = self._data.oMi[joint]
         local = (places - here.translation) @ here.rotation
-        return np.asarray(((local[:, None, :2] - corners[None, :, :2]) ** 2).sum(axis=2).argmin(axis=1))
+        x, y = local[:, :1] - corners[:, 0], local[:, 1:2] - corners[:, 1]
+        return np.asarray((x * x + y * y).argmin(axis=1))
 
     def acceleration(
         self,
@@ -94,10 +96,10 @@ class Prediction:
             result = pin.constraintDynamics(
                 self._model, self._data, self._state, self._speed, self._torque, models, datas, self._settings
             )
-            held = tuple(k for k, data in zip(standing, datas, strict=True) if data.contact_force.linear[2] >= 0.0)
-            if len(held) == len(standing) or look == LOOKS - 1:
+            held = self._data.lambda_c[2 : 3 * len(standing) : 3] >= 0.0  # a point's force has three parts
+            if held.all() or look == LOOKS - 1:
                 break
-            standing = held
+            standing = tuple(compress(standing, held))
         return np.asarray(result[self._v])
 
     def _contacts(self, standing: tuple[int, ...]) -> tuple:

@@ -66,14 +66,11 @@ class Instant:
         self._q[3:7], self._q[7:] = (0.0, 0.0, 0.0, 1.0), joints
         for done in range(rounds):
             pin.computeJointJacobians(self._model, self._data, self._q)
-            largest = 0.0
-            for side, (rotation, position) in targets.items():
-                columns = self._columns[side]
-                error = self._error(side, rotation, position)
-                largest = max(largest, float(np.abs(error).max()))
-                joints[columns] += self._newton(side, error)
-            if largest < TOLERANCE:
+            errors = {side: self._error(side, *target) for side, target in targets.items()}
+            if all(np.abs(error).max() < TOLERANCE for error in errors.values()):
                 return guess if done == 0 else self._q[7:].copy()
+            for side, error in errors.items():
+                joints[self._columns[side]] += self._newton(side, error)
             self._q[7:] = np.minimum(np.maximum(joints, self._lower), self._upper)
             joints = self._q[7:].copy()
         return joints

@@ -56,12 +56,12 @@ class Servos:
 
     def look(self, contacts: list[tuple]) -> None:
         """See which corners of the feet stood on the floor."""
-        bearing = [(self._world.foot_of(c), c[5]) for c in self._world.standing(contacts)]
+        bearing = self._world.standing(contacts)
         corners: set[int] = set()
         for foot in (0, 1):
-            places = np.array([place for which, place in bearing if which == foot])
-            if len(places):
-                corners.update((4 * foot + self._prediction.nearest(foot, places)).tolist())
+            places = [c[5] for c in bearing if self._world.foot_of(c) == foot]
+            if places:
+                corners.update((4 * foot + self._prediction.nearest(foot, np.array(places))).tolist())
         self._standing = tuple(sorted(corners))
 
     def _limited(self, wanted: np.ndarray, speeds: np.ndarray) -> np.ndarray:
