@@ -135,7 +135,14 @@ def algorithm_1(robot: Robot, obstacle: Obstacle, key: KeyConfiguration, effort:
 def whole_body(
     robot: Robot, waist: np.ndarray, feet: FeetTrajectories, upper: np.ndarray, time: np.ndarray
 ) -> np.ndarray:
-    """Configurations (N, nq): waist (N, 7), upper body as in upper (N, nq), legs by inverse kinematics.
+    """Configurations (N, nq), with the legs by inverse kinematics: step 4 of Algorithm 1.
+
+    Args:
+        robot: the robot.
+        waist: (N, 7).
+        feet: trajectories of the feet.
+        upper: (N, nq) configurations with the upper body set.
+        time: (N,) [s], for the message where a sole is out of reach.
 
     Raises:
         Infeasible: a sole is out of reach.

@@ -23,6 +23,8 @@ from stepover.simulation.measurements import Run
 
 EYE, TARGET_HEIGHT, FIELD_OF_VIEW = (0.0, -7.5, 1.75), 0.72, 13.5
 """Camera: place against the robot [m], height it looks at [m], vertical angle [deg]. From the right: x to the right."""
+NEAR, FAR = 1.0, 20.0
+"""What the camera sees, along its axis [m]."""
 FOLLOW = 0.4
 """s, over which the camera's way is smoothed."""
 AMBER, FLOOR, TILE = (0.98, 0.62, 0.10, 1.0), (0.93, 0.94, 0.95, 1.0), (0.80, 0.83, 0.86, 1.0)
@@ -107,43 +109,62 @@ def _pictures(
 ) -> Iterator[np.ndarray]:
     """Pictures (height, width, 3), one by one, drawn fineness times as large and averaged."""
     motion = source.motion if isinstance(source, Run) else source
-    robot = robot or load_robot(motion.robot)
     time, q = _states(source)
     step = float(time[1] - time[0])
-    samples = np.clip(np.round((times - time[0]) / step), 0, len(time) - 1).astype(int)
-    way = gaussian_filter1d(q[:, 0], FOLLOW / step, mode="nearest")
-    with _stage(motion, source.obstacle if isinstance(source, Run) else motion.bare_obstacle) as client:
-        with silenced():
-            body = load_body(robot, client)
-        index, local = names_of(body, client)[1], local_of(body, client)
-        joints = [index[name] for name in robot.body.joint_names]
-        for sample in samples:
-            place_body(body, client, joints, local, q[sample])
-            yield _picture(client, float(way[sample]), size, fineness)
+    way = gaussian_filter1d(q[:, 0], FOLLOW / step, mode="nearest")[samples_at(source, times)]
+    with stage() as client:
+        furnish(client, motion, source.obstacle if isinstance(source, Run) else motion.bare_obstacle)
+        for _, x in zip(acted(client, source, times, robot), way, strict=True):
+            yield _picture(client, float(x), size, fineness)
 
 
 @contextmanager
-def _stage(motion: Motion, obstacle: np.ndarray) -> Iterator[int]:
-    """A client with floor and obstacle (4,), to look at only."""
+def stage() -> Iterator[int]:
+    """An empty client, to look at only."""
     with silenced():
         client = pybullet.connect(pybullet.DIRECT)
     try:
-        ends = motion.waist[:, 0].min() - 2.0, motion.waist[:, 0].max() + 2.0
-        _box(client, (ends[0] - 3.0, -4.0, -0.1), (ends[1] + 3.0, 4.0, 0.0), FLOOR)
-        columns = range(int(np.floor(ends[0] / TILE_SIZE)), int(np.ceil(ends[1] / TILE_SIZE)))
-        for column in columns:
-            for row in range(-4, 4):
-                if (column + row) % 2:
-                    corner = np.array([column, row]) * TILE_SIZE
-                    _box(client, (*corner, 0.0), (*(corner + TILE_SIZE), 0.001), TILE)
-        x_min, x_max, _, z_max = obstacle
-        _box(client, (x_min, -DRAWN_HALF_WIDTH, 0.0), (x_max, DRAWN_HALF_WIDTH, z_max), AMBER)
         yield client
     finally:
         pybullet.disconnect(client)
 
 
-def _box(client: int, low: Sequence[float], high: Sequence[float], colour: Sequence[float]) -> None:
+def furnish(client: int, motion: Motion, obstacle: np.ndarray) -> None:
+    """Put the floor and an obstacle (4,) into a client."""
+    ends = motion.waist[:, 0].min() - 2.0, motion.waist[:, 0].max() + 2.0
+    box(client, (ends[0] - 3.0, -4.0, -0.1), (ends[1] + 3.0, 4.0, 0.0), FLOOR)
+    columns = range(int(np.floor(ends[0] / TILE_SIZE)), int(np.ceil(ends[1] / TILE_SIZE)))
+    for column in columns:
+        for row in range(-4, 4):
+            if (column + row) % 2:
+                corner = np.array([column, row]) * TILE_SIZE
+                box(client, (*corner, 0.0), (*(corner + TILE_SIZE), 0.001), TILE)
+    x_min, x_max, _, z_max = obstacle
+    box(client, (x_min, -DRAWN_HALF_WIDTH, 0.0), (x_max, DRAWN_HALF_WIDTH, z_max), AMBER)
+
+
+def acted(client: int, source: Run | Motion, times: np.ndarray, robot: Robot | None) -> Iterator[None]:
+    """Load the robot into a client and put it, one after the other, where it is at times (K,) [s]."""
+    motion = source.motion if isinstance(source, Run) else source
+    robot = robot or load_robot(motion.robot)
+    with silenced():
+        body = load_body(robot, client)
+    index, local = names_of(body, client)[1], local_of(body, client)
+    joints = [index[name] for name in robot.body.joint_names]
+    _, q = _states(source)
+    for sample in samples_at(source, times):
+        place_body(body, client, joints, local, q[sample])
+        yield
+
+
+def samples_at(source: Run | Motion, times: np.ndarray) -> np.ndarray:
+    """Samples (K,) nearest to times (K,) [s]."""
+    time, _ = _states(source)
+    step = float(time[1] - time[0])
+    return np.clip(np.round((times - time[0]) / step), 0, len(time) - 1).astype(int)
+
+
+def box(client: int, low: Sequence[float], high: Sequence[float], colour: Sequence[float]) -> None:
     """A box to look at, between two corners."""
     middle, half = (np.add(low, high) / 2.0).tolist(), (np.subtract(high, low) / 2.0).tolist()
     look = pybullet.createVisualShape(
@@ -156,11 +177,27 @@ def _picture(client: int, x: float, size: tuple[int, int], fineness: int) -> np.
     """One picture (height, width, 3), with the camera abreast of x."""
     width, height = size
     eye = (EYE[0] + x, EYE[1], EYE[2])
-    view = pybullet.computeViewMatrix(eye, (x, 0.0, TARGET_HEIGHT), (0.0, 0.0, 1.0))
-    lens = pybullet.computeProjectionMatrixFOV(FIELD_OF_VIEW, width / height, 1.0, 20.0)
-    image = pybullet.getCameraImage(
-        fineness * width, fineness * height, view, lens, renderer=pybullet.ER_TINY_RENDERER,
-        flags=pybullet.ER_NO_SEGMENTATION_MASK, physicsClientId=client, **LIGHT,
-    )[2]  # fmt: skip
-    pixels = np.reshape(image, (height, fineness, width, fineness, 4))[..., :3]
+    fine = fineness * width, fineness * height
+    return averaged(seen(client, eye, (x, 0.0, TARGET_HEIGHT), FIELD_OF_VIEW, fine)[0], fineness)
+
+
+def seen(
+    client: int, eye: Sequence[float], target: Sequence[float], field_of_view: float, size: tuple[int, int]
+) -> tuple[np.ndarray, np.ndarray]:
+    """What a camera sees: colours (height, width, 3) and distances (height, width) along its axis [m]."""
+    width, height = size
+    view = pybullet.computeViewMatrix(eye, target, (0.0, 0.0, 1.0))
+    lens = pybullet.computeProjectionMatrixFOV(field_of_view, width / height, NEAR, FAR)
+    image, depth = pybullet.getCameraImage(
+        width, height, view, lens, renderer=pybullet.ER_TINY_RENDERER, flags=pybullet.ER_NO_SEGMENTATION_MASK,
+        physicsClientId=client, **LIGHT,
+    )[2:4]  # fmt: skip
+    distance = FAR * NEAR / (FAR - (FAR - NEAR) * np.reshape(depth, (height, width)))
+    return np.reshape(image, (height, width, 4))[..., :3], distance
+
+
+def averaged(picture: np.ndarray, fineness: int) -> np.ndarray:
+    """A picture (height, width, 3), fineness times as small."""
+    height, width, _ = picture.shape
+    pixels = picture.reshape(height // fineness, fineness, width // fineness, fineness, 3)
     return np.asarray(pixels.mean(axis=(1, 3)) + 0.5, dtype=np.uint8)

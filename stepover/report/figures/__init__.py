@@ -1,7 +1,9 @@
 """Every figure: a function from values to a matplotlib figure, all in one style. Only here is pyplot imported."""
 
 from stepover.report.figures.adapted import arms_and_lead_knee, before_and_after, stick_diagram
+from stepover.report.figures.blocks import block_diagram
 from stepover.report.figures.feasibility import areas_by_height, domains_overlaid, feasibility_domains, key_domains
+from stepover.report.figures.film import crossing_times, save_film
 from stepover.report.figures.landing import (
     landing_forces,
     landing_sensitivity,
@@ -26,9 +28,11 @@ __all__ = [
     "areas_by_height",
     "arms_and_lead_knee",
     "before_and_after",
+    "block_diagram",
     "clearance",
     "clearance_bought",
     "contact_forces",
+    "crossing_times",
     "domains_overlaid",
     "duration_over_epsilon",
     "estimated",
@@ -47,6 +51,7 @@ __all__ = [
     "preview_forms",
     "robustness",
     "save",
+    "save_film",
     "spline_and_polynomial",
     "stabilized",
     "stick_diagram",
