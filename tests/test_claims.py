@@ -19,7 +19,7 @@ from stepover.report import verdicts as module
 from stepover.report.claims import DIFFERS, VERDICTS, Claim, read_claims
 from stepover.report.recorder import Recorder, shown
 from stepover.report.reproduce import NotebookFailed, checkout, reproduce
-from stepover.report.verdicts import END, START, gather, read_entries, readme_table, with_table
+from stepover.report.verdicts import END, START, gather, read_entries, readme_table, tally, with_table
 
 TOP = checkout()
 CLAIMS = read_claims()
@@ -115,6 +115,10 @@ class TestRules:
         with pytest.raises(InvalidInput, match="cannot be read"):
             read_claims(tmp_path / "none.toml")
 
+    def test_tally(self):
+        rows = [{"verdict": verdict} for verdict in (*VERDICTS, VERDICTS[0], VERDICTS[0], VERDICTS[1])]
+        assert tally(rows) == "Of 6 claims 3 hold, 2 differ, and 1 cannot be tested here."
+
     def test_how_values_are_shown(self):
         values = [0.04, 1200.0, 30.03, 1.3e5, 7, "leg 2", None, [0.78, 7]]
         assert [shown(x) for x in values] == ["0.04", "1200", "30", "1.3e+05", "7", "leg 2", "no number", "0.78, 7"]
@@ -196,8 +200,8 @@ class TestReproduce:
             ("two", 1.0, "holds"),
         ]
         text = (top / "README.md").read_text()
-        assert text == f"before\n{START}\n{readme_table(rows)}\n{END}\nafter\n"
-        assert "[good](notebooks/good.ipynb)" in text
+        assert text == f"before\n{START}\n{tally(rows)}\n\n{readme_table(rows)}\n{END}\nafter\n"
+        assert "I; [notebook](notebooks/good.ipynb) |" in text
         first = results(top)
         reproduce(top)
         assert results(top) == first, "a second run gives the same to the byte"

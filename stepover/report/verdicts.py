@@ -10,12 +10,12 @@ from typing import Any
 
 from stepover.errors import InvalidInput
 from stepover.motion import write_whole
-from stepover.report.claims import DIFFERS, Claim, read_claims
+from stepover.report.claims import DIFFERS, HOLDS, UNTESTED, Claim, read_claims
 from stepover.report.recorder import SUFFIX, as_json, shown
 from stepover.report.tables import table
 
 START, END = "<!-- claims -->", "<!-- /claims -->"
-"""Around README's table."""
+"""Around README's table and the line above it."""
 RECORDED = ("measured", "verdict", "reason", "parameters", "versions")
 Entry = dict[str, Any]
 
@@ -93,20 +93,26 @@ def read_entries(path: Path) -> list[Entry]:
 
 
 def readme_table(entries: list[Entry]) -> str:
-    """The claims as a table in markdown."""
+    """The claims as a table in markdown, narrow enough for a page."""
     rows = [
         (
-            row["statement"], row["section"], f"[{row['notebook']}](notebooks/{row['notebook']}.ipynb)",
-            f"[{row['figure']}](figures/{row['figure']}.png)" if row["figure"] else "-",
-            shown(row["paper"], row["unit"]), shown(row["measured"], row["unit"]), _verdict(row),
+            row["statement"], shown(row["paper"], row["unit"]), shown(row["measured"], row["unit"]), _verdict(row),
+            f"{row['section']}; [notebook](notebooks/{row['notebook']}.ipynb)"
+            + (f", [figure](figures/{row['figure']}.png)" if row["figure"] else ""),
         )
         for row in entries
     ]  # fmt: skip
-    return table("claim | section | notebook | figure | paper | here | verdict", rows)._repr_markdown_()
+    return table("claim | paper | here | verdict | where", rows)._repr_markdown_()
+
+
+def tally(entries: list[Entry]) -> str:
+    """How many claims hold, differ and cannot be tested, in one line."""
+    holds, differ, untested = (sum(row["verdict"] == name for row in entries) for name in (HOLDS, DIFFERS, UNTESTED))
+    return f"Of {len(entries)} claims {holds} hold, {differ} differ, and {untested} cannot be tested here."
 
 
 def with_table(readme: Path, entries: list[Entry]) -> str:
-    """README's text with the table between its markers.
+    """README's text with the tally and the table between its markers.
 
     Raises:
         InvalidInput: the file cannot be read, or has not each marker once, in their order.
@@ -118,7 +124,7 @@ def with_table(readme: Path, entries: list[Entry]) -> str:
     if text.count(START) != 1 or text.count(END) != 1 or text.index(START) > text.index(END):
         raise InvalidInput(f"{readme} must hold {START} and {END}, once each, for the table of claims")
     before, after = text.split(START)[0], text.split(END)[1]
-    return f"{before}{START}\n{readme_table(entries)}\n{END}{after}"
+    return f"{before}{START}\n{tally(entries)}\n\n{readme_table(entries)}\n{END}{after}"
 
 
 def _verdict(row: Entry) -> str:

@@ -1,0 +1,224 @@
+"""The documents: README's code runs, its numbers are those of the project, links lead somewhere, names exist."""
+
+import importlib
+import inspect
+import json
+import re
+
+import nbformat
+import pytest
+
+import stepover
+from stepover import Obstacle, load_robot
+from stepover.cli import commands
+from stepover.report.claims import read_claims
+from stepover.report.reproduce import checkout, parameters_of
+from stepover.report.verdicts import END, START
+
+TOP = checkout()
+README = (TOP / "README.md").read_text()
+DOCUMENTS = [
+    *sorted(TOP.glob("*.md")), *sorted((TOP / "docs").glob("*.md")), *sorted((TOP / "data").glob("*/README.md"))
+]  # fmt: skip
+NUMBER = r"\d+(?:\.\d+)?"
+CLAIMS = {row["id"]: row for row in json.loads((TOP / "figures" / "claims.json").read_text())}
+PAPER = {name: claim.paper for name, claim in read_claims().items()}
+NOT_MEASURED = (
+    r"25\(4\), 2009", r"Python 3\.11", r"Figs?\. \d+", r"\(\d+\)", r"Algorithm 1", r"leg [12]\b", r"L1 to L7", r"\b3-D",
+    r"HRP-2", r"JVRC-1", r"BSD-2",
+)  # fmt: skip
+"""Numbers that name something."""
+
+
+def measured(name, which=None):
+    """What a claim's notebook measured."""
+    value = CLAIMS[name]["measured"]
+    return value if which is None else value[which]
+
+
+def asked(notebook, name):
+    """A parameter of a notebook."""
+    return parameters_of(TOP / "notebooks" / f"{notebook}.ipynb")[name]
+
+
+def source_of(notebook):
+    """All code of a notebook."""
+    cells = nbformat.read(TOP / "notebooks" / f"{notebook}.ipynb", as_version=4).cells
+    return "\n".join(cell.source for cell in cells if cell.cell_type == "code")
+
+
+def tables(text):
+    """Cells of all rows of markdown's tables, but for heads and rules."""
+    rows = [line.strip("| ").split(" | ") for line in text.splitlines() if line.startswith("| ")]
+    return [row for row in rows if not set(row[0]) <= set("- ") and row[0] not in ("symbol", "figure")]
+
+
+def prose(text):
+    """README without code, addresses of links and what is generated: where a number could go stale unseen."""
+    text = text.split(START)[0] + text.split(END)[1]
+    text = re.sub(r"```.*?```", "", text, flags=re.DOTALL)
+    text = re.sub(r"\]\([^)]*\)", "]", re.sub(r"`[^`]*`", "", text))
+    text = re.sub(r"\[\w+\]", "", text.replace("[13]", "(13)"))  # names of notebooks and figures
+    return re.sub(r"\s+", " ", text)
+
+
+MARGIN = 100.0 * Obstacle(0.15, 0.05).margin_height
+HIGH = 100.0 * asked("pybullet_25cm", "height")
+CODES = (commands.DONE, commands.BAD_INPUT, commands.INFEASIBLE, commands.NOT_CROSSED)
+TRIED = [100.0 * height for height in asked("adaptation", "heights")]
+STATED = {
+    "crosses {} cm, more than a third of its leg": [HIGH],
+    "the red veil is the safety margin of {} cm": [MARGIN],
+    "and ZMP every {} ms": [1e3 * load_robot("hrp2").walk.sample_time],
+    "do not keep the margin at {} cm": [HIGH],
+    "the CoM travels {} mm, not {}": [measured("com-travel"), PAPER["com-travel"]],
+    "takes {} s, not {}, by a tolerance": [measured("quasi-static-time"), PAPER["quasi-static-time"]],
+    "Our servos cross {} cm, the real ones stopped at {}": [min(measured("limit-20")), 15.0],
+    "The exit code is {} when it worked, {} for bad input, {} for an obstacle that cannot be crossed (with the "
+    "nearest one that can), {} for a robot that fell": CODES,
+    "plan the paper's {} cm case": [100.0 * asked("stepover_15cm", "height")],
+    "so that {} cm can be planned": [100.0 * asked("stepover_25cm", "height")],
+    "Does {} cm cross in the physics": [HIGH],
+    "Why did it take {} s before": [PAPER["quasi-static-time"]],
+    "the crossing of {} cm as the physics measured it": [HIGH],
+    "against the {} cm that were asked for": [MARGIN],
+    "a picture every {} s": [0.64],
+    "at {} cm the rear leg meets": [HIGH],
+    ": the crossing of {} cm |": [HIGH],
+    "at {} cm the robot leans": [HIGH],
+    "{} cm are kept at {} cm too": [MARGIN, HIGH],
+    "each unit buys at {}, {} and {} cm": TRIED,
+    "torques and speeds at {} to {} cm": [15.0, max(measured("limit-20"))],
+    "{} s of shifting the CoM, or {} ms": [measured("double-support", 1), 1e3 * measured("double-support", 0)],
+    "the paper's {} s and {} s are a matter": [PAPER["quasi-static-time"], PAPER["double-support"][1]],
+    "JVRC-1 ({} kg, legs of {} m": "jvrc1",
+    "crosses {} cm, {} % of its leg, and": "jvrc1",
+}
+"""Each sentence of README with a number, {} in its place, and what the number must be once it is rounded."""
+
+
+def pattern(sentence):
+    return re.escape(sentence).replace(r"\{\}", f"({NUMBER})").replace(r"\ ", " ")
+
+
+def numbers_in(sentence):
+    found = re.findall(pattern(sentence), prose(README))
+    assert len(found) == 1, f"{sentence!r} stands {len(found)} times in README"
+    return [found[0]] if isinstance(found[0], str) else list(found[0])
+
+
+@pytest.mark.parametrize("sentence", STATED)
+def test_numbers_of_readme(sentence):
+    values = STATED[sentence]
+    if values == "jvrc1":
+        pytest.importorskip("jvrc_description")
+        robot, height = load_robot("jvrc1"), 0.18  # tests/test_own_robot.py steps over it
+        length = robot.leg(1).length
+        values = [robot.body.mass, length] if "kg" in sentence else [100.0 * height, 100.0 * height / length]
+    for text, value in zip(numbers_in(sentence), values, strict=True):
+        digits = len(text.partition(".")[2])
+        assert text == f"{value:.{digits}f}"
+
+
+def test_no_other_number_stands_in_readme():
+    text = prose(README)
+    for known in (*map(pattern, STATED), *NOT_MEASURED):
+        text = re.sub(known, "", text)
+    assert [text[max(0, m.start() - 30) : m.end() + 20] for m in re.finditer(rf"(?<!\w){NUMBER}", text)] == []
+
+
+def test_words_that_are_numbers():
+    """More than a third; halves on rigid soles; a tenth."""
+    assert measured("leg-ratio-25") > 100.0 / 3.0
+    assert measured("margin-25") >= 10.0 * MARGIN
+    assert measured("impact-ratio") > 0.9
+    assert 0.45 < float(re.search(rf"rigid soles ({NUMBER})", CLAIMS["impact-ratio"]["reason"])[1]) < 0.55
+    assert "np.arange(0.0, run.duration, 0.64)" in source_of("pybullet_15cm")
+
+
+def test_readme_in_its_first_minute():
+    heads = re.findall(r"^## (.*)$", README, re.MULTILINE)
+    assert README.index("crossing_25cm.gif") < README.index("## ")
+    assert heads[:4] == ["Two commands", "Ten lines of Python", "The claims", "What differs from the paper, and why"]
+
+
+def test_readmes_lines_of_python_run_as_they_stand(tmp_path, monkeypatch, capsys):
+    (block,) = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
+    assert len([line for line in block.splitlines() if line.strip()]) <= 10
+    monkeypatch.chdir(tmp_path)
+    exec(compile(block, "README.md", "exec"), {"__name__": "readme"})
+    assert capsys.readouterr().out.startswith("crossed: True; ")
+    assert stepover.Motion.load(tmp_path / "motion.npz").time[-1] > 5.0
+
+
+def test_commands_of_readme_exist():
+    said = set(re.findall(r"^python -m stepover (\w+)", README, re.MULTILINE))
+    assert said == {"plan", "simulate", "view", "sweep", "reproduce"}
+    assert said <= set(stepover.cli.main.commands)
+    targets = set(re.findall(r"^([a-z]+):", (TOP / "Makefile").read_text(), re.MULTILINE))
+    assert set(re.findall(r"\bmake ([a-z]+)", README)) - {"and"} <= targets
+
+
+def anchor(head):
+    """GitHub's address of a head."""
+    return re.sub(r"[^\w\- ]", "", head.lower()).replace(" ", "-")
+
+
+@pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: str(path.relative_to(TOP)))
+def test_links_lead_somewhere(document):
+    for target in re.findall(r"\]\(([^)\s]+)\)", re.sub(r"```.*?```", "", document.read_text(), flags=re.DOTALL)):
+        if target.startswith(("https://", "http://")):
+            continue
+        path, _, part = target.partition("#")
+        place = (document.parent / path).resolve() if path else document
+        assert place.exists(), f"{document.name}: {target}"
+        if part:
+            assert part in {anchor(head) for head in re.findall(r"^#+ (.*)$", place.read_text(), re.MULTILINE)}, target
+
+
+def test_every_figure_and_notebook_stands_in_readmes_tables():
+    shown = set(re.findall(r"^\| \[\w+\]\(figures/(.*?)\)", README.split(END)[1], re.MULTILINE))
+    assert shown == {path.name for path in (TOP / "figures").iterdir() if path.suffix in (".png", ".gif")}
+    listed = set(re.findall(r"^\| \[\w+\]\(notebooks/(\w+)\.ipynb\)", README.split(END)[1], re.MULTILINE))
+    assert listed == {path.stem for path in (TOP / "notebooks").glob("*.ipynb")}
+
+
+def lookup(name):
+    """What a dotted name under stepover stands for: module, function, class, or something of a class's instances."""
+    parts = f"stepover.{name}".split(".")
+    for k in range(len(parts), 0, -1):
+        try:
+            found, rest = importlib.import_module(".".join(parts[:k])), parts[k:]
+        except ModuleNotFoundError:
+            continue
+        break
+    for part in rest:
+        if part in getattr(found, "__annotations__", {}):
+            return part
+        if not hasattr(found, part):
+            assert re.search(rf"self\.{part}\b.* = ", inspect.getsource(found)), name
+            return part
+        found = getattr(found, part)
+    return found
+
+
+SYMBOLS = tables((TOP / "docs" / "symbols.md").read_text())
+NAMES = sorted({name for row in SYMBOLS for name in re.findall(r"`([\w.]+)`", row[-1])})
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_names_of_the_symbols_exist(name):
+    assert lookup(name) is not None
+
+
+@pytest.mark.parametrize("name", ["units.feasibility.KeyConfiguration.y_ads", "model.body.Body.masses", "units.walk"])
+def test_a_name_that_does_not_exist_is_found_out(name):
+    with pytest.raises((AssertionError, AttributeError, ModuleNotFoundError)):
+        lookup(name)
+
+
+def test_the_symbols_that_matter_are_there():
+    cells = " ".join(row[0] for row in SYMBOLS)
+    for symbol in ("o_h", "o_w", "s_h", "s_w", "X_{ads}", "X_{hds}", "Z_{hds}", r"\delta_{DS}", "p}^{ref_1}", "N_L",
+                   "p}^{ref_2}", "p}^{MB}", "$Q$", "$R$", "$T$", "z_c", "F_W", "W_2(t)", "UB(t)"):  # fmt: skip
+        assert symbol in cells, symbol
