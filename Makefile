@@ -34,10 +34,10 @@ studies: $(READY)    ## make the long tables in figures/ on all cores; goes on w
 lab: $(READY)        ## open JupyterLab on the notebooks
 	$(PYTHON) -m jupyterlab notebooks
 
-bench: $(READY)      ## measure how fast planning and simulation are; adds to bench/history.json
+bench: $(READY)      ## measure how fast planning and simulation are; adds to bench/history.json, docs/speed.md
 	@mkdir -p build
 	$(PYTHON) -m pytest bench --benchmark-json build/bench.json --benchmark-quiet
-	$(PYTHON) -m stepover.report.bench build/bench.json bench/history.json
+	$(PYTHON) -m stepover.report.bench build/bench.json bench/history.json docs/speed.md
 
 lint: $(READY)       ## check style, types, and that the notebooks carry no outputs
 	$(PYTHON) -m ruff check

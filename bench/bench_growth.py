@@ -35,7 +35,7 @@ def test_duration(measure, benchmark, robot, seconds):
     assert motion.time[-1] == pytest.approx(seconds, rel=0.05)
     call = [sys.executable, "-c", COLD.format(distance=WALKS[seconds])]
     resident = int(subprocess.run(call, check=True, capture_output=True, text=True).stdout)
-    benchmark.extra_info |= {"samples": len(motion.time), "resident_bytes": resident}
+    benchmark.extra_info |= {"walk": seconds, "samples": len(motion.time), "resident_bytes": resident}
 
 
 @pytest.mark.parametrize("sample_time", SAMPLE_TIMES)
@@ -45,12 +45,12 @@ def test_samples(measure, benchmark, robot, sample_time):
         f"plan, a sample every {1e3 * sample_time:g} ms", GROUP, lambda obstacle: plan_in_detail(finer, obstacle),
         lambda k: (Obstacle(HEIGHT + HIGHER * k, WIDTH),), 9,
     )  # fmt: skip
-    benchmark.extra_info["samples"] = len(plan.motion.time)
+    benchmark.extra_info |= {"walk": plan.motion.time[-1], "samples": len(plan.motion.time)}
 
 
 @pytest.mark.parametrize("jobs", [1, 2])
 @pytest.mark.parametrize("obstacles", [100, 1000])
-def test_obstacles(measure, tmp_path, obstacles, jobs):
+def test_obstacles(measure, benchmark, tmp_path, obstacles, jobs):
     numbers, heights = count(), f"0.1:{0.1 + HIGHER / 2.0 * (obstacles - 1):.5f}:{HIGHER / 2.0}"
 
     def call(table):
@@ -59,4 +59,5 @@ def test_obstacles(measure, tmp_path, obstacles, jobs):
 
     measure(f"sweep, {obstacles} obstacles, {jobs} job{'s' * (jobs > 1)}", GROUP, call,
             lambda _: (tmp_path / f"{next(numbers)}.csv",), 1, 0)  # fmt: skip
+    benchmark.extra_info |= {"obstacles": obstacles, "jobs": jobs}
     assert len((tmp_path / "0.csv").read_text().splitlines()) == obstacles + 1

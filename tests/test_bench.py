@@ -9,7 +9,19 @@ import pytest
 
 from stepover.errors import InvalidInput
 from stepover.model.robot import data_folder
-from stepover.report.bench import Benchmark, Timed, append, main, other_numbers, read, times_table
+from stepover.report.bench import (
+    Benchmark,
+    Timed,
+    append,
+    last,
+    main,
+    other_numbers,
+    page,
+    read,
+    sweeps_table,
+    times_table,
+    walks_table,
+)
 
 ROOT = data_folder().parent
 
@@ -45,11 +57,15 @@ def test_a_run_beside_its_yardstick(found):
 
 
 def test_the_table_comes_out_and_the_history_grows(found, tmp_path, capsys):
+    shown = tmp_path / "speed.md"
+    shown.write_text("<!-- bench -->\n<!-- /bench -->")
     for count in (1, 2):
-        main(str(found), str(tmp_path / "history.json"))
+        main(str(found), str(tmp_path / "history.json"), str(shown))
         runs = json.loads((tmp_path / "history.json").read_text())
         assert len(runs) == count
     assert runs[0] == runs[1]
+    assert last(tmp_path / "history.json") == read(found)
+    assert "| yardstick |" in shown.read_text()
     assert {"date", "version", "commit", "machine", "times"} == set(runs[0])
     printed = capsys.readouterr().out
     for part in ("5 cm [ms]  of yardstick", "plan, the whole", "us a sample", "1 BLAS thread", "kept as run 2 of"):
@@ -67,6 +83,25 @@ def test_what_was_not_measured_is_left_empty():
         "simulate, 15 cm: 2 MiB resident at most, libraries included",
         "simulate, 15 cm: 4.00 times faster than real time",
     ]
+
+
+def test_growth_stands_apart():
+    times = (
+        Timed("yardstick", "15 cm", 0.01, 0.0, 3, 1.0, {}),
+        Timed("plan", "15 cm", 0.2, 0.0, 3, 20.0, {"walk": 30, "samples": 4000, "resident_bytes": 2**20}),
+        Timed("sweep", "15 cm", 8.0, 0.0, 1, 800.0, {"obstacles": 100, "jobs": 1}),
+        Timed("sweep", "15 cm", 5.0, 0.0, 1, 500.0, {"obstacles": 100, "jobs": 2}),
+    )  # fmt: skip
+    run = Benchmark("2026-01-01T00:00:00", "0", "", {}, times)
+    assert times_table(run).rows == (("yardstick", "10.0", "1.00"),)
+    assert other_numbers(run) == []
+    assert walks_table(run).rows == (("plan", "4000", "0.200", "50.0", "1"),)
+    assert sweeps_table(run).rows == (("100", "1", "8.00", "80.0", "1.00"), ("100", "2", "5.00", "50.0", "1.60"))
+
+
+def test_the_page_shows_the_last_run():
+    shown = ROOT / "docs" / "speed.md"
+    assert page(last(ROOT / "bench" / "history.json"), shown) == shown.read_text()
 
 
 def test_damaged_files_are_refused(found, tmp_path):

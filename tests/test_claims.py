@@ -17,9 +17,12 @@ from stepover.planner import plan
 from stepover.report import simplifications
 from stepover.report import verdicts as module
 from stepover.report.claims import DIFFERS, VERDICTS, Claim, read_claims
+from stepover.report.marked import marks
 from stepover.report.recorder import Recorder, shown
 from stepover.report.reproduce import NotebookFailed, checkout, reproduce
-from stepover.report.verdicts import END, START, gather, read_entries, readme_table, tally, with_table
+from stepover.report.verdicts import MARK, gather, read_entries, readme_table, tally, with_table
+
+START, END = marks(MARK)
 
 TOP = checkout()
 CLAIMS = read_claims()

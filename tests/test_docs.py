@@ -12,8 +12,11 @@ import stepover
 from stepover import Obstacle, load_robot
 from stepover.cli import commands
 from stepover.report.claims import read_claims
+from stepover.report.marked import marks
 from stepover.report.reproduce import checkout, parameters_of
-from stepover.report.verdicts import END, START
+from stepover.report.verdicts import MARK
+
+START, END = marks(MARK)
 
 TOP = checkout()
 README = (TOP / "README.md").read_text()

@@ -17,9 +17,14 @@ from typing import Any
 
 from stepover.errors import InvalidInput
 from stepover.motion import write_whole
+from stepover.report.marked import with_block
 from stepover.report.tables import Table, table
 
 YARDSTICK = "yardstick"
+MARK = "bench"
+"""Around the tables of docs/speed.md."""
+GROWTH = {"walk", "obstacles"}
+"""What marks a benchmark of longer walks, or of many obstacles."""
 
 
 @dataclass(frozen=True)
@@ -97,12 +102,13 @@ def _timed(one: dict[str, Any], yardstick: float | None) -> Timed:
 
 
 def times_table(run: Benchmark) -> Table:
-    """Medians and their ratios to the yardstick, a column for each group."""
-    groups = list(dict.fromkeys(one.group for one in run.times))
-    cells = {(one.what, one.group): one for one in run.times}
+    """Medians and their ratios to the yardstick, a column for each group; without the growth."""
+    times = [one for one in run.times if not GROWTH & set(one.more)]
+    groups = list(dict.fromkeys(one.group for one in times))
+    cells = {(one.what, one.group): one for one in times}
     rows = [
         (what, *(text for group in groups for text in _cells(cells.get((what, group)))))
-        for what in dict.fromkeys(one.what for one in run.times)
+        for what in dict.fromkeys(one.what for one in times)
     ]
     return table(" | ".join(["median", *(f"{group} [ms] | of yardstick" for group in groups)]), rows)
 
@@ -119,17 +125,39 @@ def _short(value: float) -> str:
     return f"{value:.{max(0, 2 - math.floor(math.log10(value)))}f}"
 
 
+def walks_table(run: Benchmark) -> Table:
+    """How planning grows with the duration of the walk, and with the samples in it."""
+    rows = [
+        (one.what, int(one.more["samples"]), _short(one.median), _short(1e6 * one.median / one.more["samples"]),
+         f"{one.more['resident_bytes'] / 2**20:.0f}" if "resident_bytes" in one.more else "")
+        for one in run.times if "walk" in one.more
+    ]  # fmt: skip
+    return table("plan | samples | time [s] | a sample [us] | resident at most [MiB]", rows)
+
+
+def sweeps_table(run: Benchmark) -> Table:
+    """How a sweep grows with its obstacles, and what a second core gives."""
+    sweeps = [one for one in run.times if "obstacles" in one.more]
+    alone = {one.more["obstacles"]: one.median for one in sweeps if one.more["jobs"] == 1}
+    rows = [
+        (int(one.more["obstacles"]), int(one.more["jobs"]), _short(one.median),
+         _short(1e3 * one.median / one.more["obstacles"]), f"{alone[one.more['obstacles']] / one.median:.2f}")
+        for one in sweeps
+    ]  # fmt: skip
+    return table("obstacles | jobs | time [s] | an obstacle [ms] | times as fast as one job", rows)
+
+
 def other_numbers(run: Benchmark) -> list[str]:
     """Memory and the real-time factor, in words."""
     lines = []
     for one in run.times:
         name = f"{one.what}, {one.group}"
-        if "samples" in one.more:
+        if "samples" in one.more and "walk" not in one.more:
             lines.append(f"{name}: {1e6 * one.median / one.more['samples']:.1f} us a sample, "
                          f"{int(one.more['samples'])} samples")  # fmt: skip
         if "peak_bytes" in one.more:
             lines.append(f"{name}: {one.more['peak_bytes'] / 2**20:.0f} MiB allocated at most")
-        if "resident_bytes" in one.more:
+        if "resident_bytes" in one.more and "walk" not in one.more:
             lines.append(f"{name}: {one.more['resident_bytes'] / 2**20:.0f} MiB resident at most, libraries included")
         if "simulated" in one.more:
             lines.append(f"{name}: {one.more['simulated'] / one.median:.2f} times faster than real time")
@@ -154,16 +182,38 @@ def append(run: Benchmark, history: Path) -> int:
     return len(runs)
 
 
-def main(found: str, history: str) -> None:
-    """Print a run, with the machine that it is true for, and keep it."""
-    run = read(Path(found))
+def last(history: Path) -> Benchmark:
+    """The latest run of a history."""
+    run = json.loads(history.read_text())[-1]
+    return Benchmark(**run | {"times": tuple(Timed(**one) for one in run["times"])})
+
+
+def page(run: Benchmark, path: Path) -> str:
+    """Text of a page with a run's tables between its marks: see with_block."""
+    lines = [_machine(run), "", times_table(run)._repr_markdown_(), ""]
+    lines += [f"- {line}" for line in other_numbers(run)]
+    lines += ["", walks_table(run)._repr_markdown_(), "", sweeps_table(run)._repr_markdown_()]
+    return with_block(path, MARK, "\n".join(lines))
+
+
+def _machine(run: Benchmark) -> str:
+    """What the times are true for."""
     machine = run.machine
-    print(times_table(run), "", *other_numbers(run), sep="\n")
-    print(f"\n{machine['processor']}, {machine['cores']} cores, load {machine['load']:.1f} at the end, "
-          f"{machine['threads']} BLAS thread, Python {machine['python_version']}, stepover {run.version}")  # fmt: skip
-    if machine["load"] > 1.5:
+    return (f"{machine['processor']}, {machine['cores']} cores, load {machine['load']:.1f} at the end, "
+            f"{machine['threads']} BLAS thread, Python {machine['python_version']}, "
+            f"stepover {run.version}, {run.date[:10]}.")  # fmt: skip
+
+
+def main(found: str, history: str, shown: str) -> None:
+    """Print a run, with the machine that it is true for; keep it, and show it on a page."""
+    run = read(Path(found))
+    print(times_table(run), "", *other_numbers(run), "", walks_table(run), "", sweeps_table(run), sep="\n")
+    print(f"\n{_machine(run)}")
+    if run.machine["load"] > 1.5:
         print("the machine did something else meanwhile: trust the ratios, not the times")
+    text = page(run, Path(shown))
     print(f"kept as run {append(run, Path(history))} of {history}")
+    write_whole(Path(shown), lambda file: file.write(text.encode()))
 
 
 if __name__ == "__main__":

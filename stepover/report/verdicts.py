@@ -11,10 +11,11 @@ from typing import Any
 from stepover.errors import InvalidInput
 from stepover.motion import write_whole
 from stepover.report.claims import DIFFERS, HOLDS, UNTESTED, Claim, read_claims
+from stepover.report.marked import with_block
 from stepover.report.recorder import SUFFIX, as_json, shown
 from stepover.report.tables import table
 
-START, END = "<!-- claims -->", "<!-- /claims -->"
+MARK = "claims"
 """Around README's table and the line above it."""
 RECORDED = ("measured", "verdict", "reason", "parameters", "versions")
 Entry = dict[str, Any]
@@ -112,19 +113,8 @@ def tally(entries: list[Entry]) -> str:
 
 
 def with_table(readme: Path, entries: list[Entry]) -> str:
-    """README's text with the tally and the table between its markers.
-
-    Raises:
-        InvalidInput: the file cannot be read, or has not each marker once, in their order.
-    """
-    try:
-        text = readme.read_text()
-    except OSError as error:
-        raise InvalidInput(f"{readme} cannot be read: {error.strerror}") from error
-    if text.count(START) != 1 or text.count(END) != 1 or text.index(START) > text.index(END):
-        raise InvalidInput(f"{readme} must hold {START} and {END}, once each, for the table of claims")
-    before, after = text.split(START)[0], text.split(END)[1]
-    return f"{before}{START}\n{tally(entries)}\n\n{readme_table(entries)}\n{END}{after}"
+    """README's text with the tally and the table between its marks: see with_block."""
+    return with_block(readme, MARK, f"{tally(entries)}\n\n{readme_table(entries)}")
 
 
 def _verdict(row: Entry) -> str:
