@@ -10,6 +10,7 @@ zero speed, at lift-off and landing.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from scipy.ndimage import gaussian_filter1d, maximum_filter1d
@@ -116,10 +117,17 @@ def adapt_feet(
 
 def shift_back(robot: Robot, feet: FeetTrajectories, step: Step, distance: float) -> FeetTrajectories:
     """Method (1): the swing foot's horizontal trajectory moved back, by distance [m] where it is most."""
-    share = np.linspace(0.0, 1.0, step.touch_down - step.lift_off + 1)
     peak, rest = robot.adaptor.shift_peak, 1.0 - robot.stepping_over.rest
-    bump = clamped_spline([(0.0, 0.0), (peak, 1.0), (rest, 0.0)], share)
+    bump = _bump(((0.0, 0.0), (peak, 1.0), (rest, 0.0)), step.touch_down - step.lift_off + 1)
     return _displaced(feet, step, np.outer(-distance * bump / bump.max(), [1.0, 0.0, 0.0]))
+
+
+@lru_cache(maxsize=16)
+def _bump(knots: tuple[tuple[float, float], ...], count: int) -> np.ndarray:
+    """A spline (count,) over a swing, fitted once for the many distances that are tried."""
+    bump = clamped_spline(list(knots), np.linspace(0.0, 1.0, count))
+    bump.flags.writeable = False
+    return bump
 
 
 def raise_waist(robot: Robot, sequence: StepSequence, waist: np.ndarray, height: float) -> np.ndarray:
