@@ -230,6 +230,7 @@ class TestFiles:
         frame = re.fullmatch(r'<iframe srcdoc="([^"]*)" style="([^"]*)"></iframe>', shown._repr_html_())
         assert html.unescape(frame[1]) == page
         assert "height: 300px" in frame[2]
+        assert len(repr(shown)) < 100, "the page once, not again as text"
 
 
 @contextlib.contextmanager
@@ -336,3 +337,17 @@ class TestBrowser:
             assert pixels.mean() > 1e-4, name
         assert share["left"].mean() > 5e-3
         assert share["right"].mean() > 5e-3
+
+    @pytest.mark.skipif(CHROMIUM is None, reason="no Chromium here; Debian's package is chromium")
+    def test_twice_in_one_notebook(self, robot, motion, tmp_path):
+        frames = [viewer.show(robot, motion, moment)._repr_html_() for moment in (SHOWN, SCRUBBED)]
+        (tmp_path / "two.html").write_text(f"<!DOCTYPE html><body>{''.join(frames)}", encoding="utf-8")
+        question = """[...document.querySelectorAll("iframe")].map((frame) => {
+          const shown = frame.contentDocument;
+          return [shown.getElementById("clock").textContent, shown.querySelectorAll("canvas").length > 0,
+                  shown.getElementById("trouble").textContent];
+        })"""
+        with chromium(tmp_path) as address:
+            answer, errors = asyncio.run(visit(address, (tmp_path / "two.html").as_uri(), question))
+        assert errors == []
+        assert answer == [[f"{SHOWN:.2f} s", True, ""], [f"{SCRUBBED:.2f} s", True, ""]]

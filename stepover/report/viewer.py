@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import base64
 import html
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import singledispatch
 from importlib.resources import files
 from pathlib import Path
@@ -41,7 +41,7 @@ class Page:
         height: of its frame in a notebook, in pixels.
     """
 
-    html: str
+    html: str = field(repr=False)
     height: int
 
     def _repr_html_(self) -> str:
