@@ -1,4 +1,4 @@
-"""report/domain_tables.py, report/explorer.py: verdicts follow the numbers; the slider draws without a browser."""
+"""report/domain_tables.py: verdicts follow the numbers."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from stepover.model.domains import Domains
 from stepover.model.feasibility_domain import feasibility_domains
 from stepover.report import domain_tables
 from stepover.report.double_support import double_support
-from stepover.report.explorer import height_slider
 from stepover.report.key_domain import key_domain, key_grid
 
 
@@ -68,15 +67,3 @@ def test_key_postures_and_frontiers(robot, obstacle):
     table = domain_tables.frontiers(np.array([0.05, 0.10]), heights, (0.05, 0.10))
     assert column(table, "turning allows more") == {"5 cm wide": "holds", "10 cm wide": "differs"}
     assert column(table, "yaw 25") == {"5 cm wide": "40.0", "10 cm wide": "10.0"}
-
-
-def test_the_slider_draws_without_a_browser_and_again_when_it_is_moved(robot):
-    slider, picture = height_slider(robot, 0.05, 0.15, points=30).children
-    assert slider.value == 15.0
-    first = bytes(picture.value)
-    assert first.startswith(b"\x89PNG")
-    slider.value = 25.0
-    assert bytes(picture.value).startswith(b"\x89PNG")
-    assert bytes(picture.value) != first
-    slider.value = 15.0
-    assert bytes(picture.value) == first

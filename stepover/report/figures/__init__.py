@@ -2,6 +2,7 @@
 
 from stepover.report.figures.adapted import arms_and_lead_knee, before_and_after, stick_diagram
 from stepover.report.figures.blocks import block_diagram
+from stepover.report.figures.crossing import crossing, refused
 from stepover.report.figures.feasibility import areas_by_height, domains_overlaid, feasibility_domains, key_domains
 from stepover.report.figures.film import crossing_times, save_film
 from stepover.report.figures.landing import (
@@ -23,15 +24,18 @@ from stepover.report.figures.strategies import (
 )
 from stepover.report.figures.style import save
 from stepover.report.figures.trials import estimated, heights_with_servos, stabilized
+from stepover.report.figures.units import cart, leg_joints, swings, upper_body
 
 __all__ = [
     "areas_by_height",
     "arms_and_lead_knee",
     "before_and_after",
     "block_diagram",
+    "cart",
     "clearance",
     "clearance_bought",
     "contact_forces",
+    "crossing",
     "crossing_times",
     "domains_overlaid",
     "duration_over_epsilon",
@@ -46,9 +50,11 @@ __all__ = [
     "landing_sensitivity",
     "lateral_direction",
     "leg_1_landing",
+    "leg_joints",
     "obstacle_plane",
     "planned_and_simulated",
     "preview_forms",
+    "refused",
     "robustness",
     "save",
     "save_film",
@@ -57,6 +63,8 @@ __all__ = [
     "stick_diagram",
     "strategies_by_height",
     "strip",
+    "swings",
+    "upper_body",
     "walking_direction",
     "ways_from_above",
     "ways_over_time",

@@ -39,7 +39,7 @@ def stick_diagram(robot: Robot, obstacle: Obstacle, before: Stage, after: Stage)
     figure, axes = panels(1, 3.05, columns=2, sharey=True)
     for axis, stage in zip(axes[0], (before, after), strict=True):
         found = _sticks(axis, robot, obstacle, stage)
-        _obstacle(axis, obstacle, 0.0)
+        draw_obstacle(axis, obstacle, 0.0)
         axis.axhline(0.0, color=REFERENCE, lw=1.0)
         axis.set(xlabel="x from the obstacle's front face [m]", xlim=(-0.56, 0.64), ylim=(-0.02, 0.76))
         axis.set_aspect("equal")
@@ -161,7 +161,7 @@ def _sticks(axis: Axes, robot: Robot, obstacle: Obstacle, stage: Stage) -> str:
     deepest = int(depths.argmax())
     colour, labelled = LEFT if step.side > 0 else RIGHT, depths.max() > 0.0
     for k in range(0, len(q), round(STICK_EVERY / robot.walk.sample_time)):
-        axis.plot(*(_links(robot, placed, step.side, k) - [front, 0.0]).T, color=REFERENCE, lw=0.5, alpha=0.35,
+        axis.plot(*(leg_links(robot, placed, step.side, k) - [front, 0.0]).T, color=REFERENCE, lw=0.5, alpha=0.35,
                   label="hip, knee, ankle, sole" if k == 0 else None)  # fmt: skip
         for line in lines:
             axis.plot(*line[k].T, color=colour, lw=0.9, label="outline $L_1 \\ldots L_7$"
@@ -205,7 +205,7 @@ def _depth(points: np.ndarray, rectangle: np.ndarray) -> np.ndarray:
     return np.asarray(np.maximum(np.minimum(np.minimum(x - x_min, x_max - x), top - z), 0.0))
 
 
-def _links(robot: Robot, placed: Placements, side: int, sample: int) -> np.ndarray:
+def leg_links(robot: Robot, placed: Placements, side: int, sample: int) -> np.ndarray:
     """Hip, knee, ankle, heel and toe of a leg: (5, 2) [m]."""
     joints = robot.legs.left if side > 0 else robot.legs.right
     knee = next(joint for joint in robot.legs.knee if joint in joints)
@@ -217,7 +217,7 @@ def _links(robot: Robot, placed: Placements, side: int, sample: int) -> np.ndarr
     return np.vstack([chain, foot[:, [0, 2]]])
 
 
-def _obstacle(axis: Axes, obstacle: Obstacle, front: float) -> None:
+def draw_obstacle(axis: Axes, obstacle: Obstacle, front: float) -> None:
     """The bare obstacle and its margins."""
     x_min, x_max, _, top = obstacle.profile(front, margins=False)
     axis.fill([x_min, x_min, x_max, x_max], [0.0, top, top, 0.0], color=OBSTACLE, alpha=0.8, zorder=3)
