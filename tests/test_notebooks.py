@@ -29,6 +29,7 @@ FIGURES = {
         "strategies_strip",
     },
     "simplifications": set(),
+    "tour": {"tour"},
     "pybullet_15cm": {"pybullet_zmp_and_waist", "pybullet_contact_forces", "pybullet_clearance", "fig10_strip"},
     "pybullet_25cm": {
         "crossing_25cm",
