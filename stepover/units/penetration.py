@@ -43,45 +43,46 @@ def ankle_displacements(
         centre = _world_y(shape, placements.rotations, placements.positions)
         point[deeper] = np.column_stack([where[:, 0], centre, where[:, 1]])[deeper]
         depth[deeper], order[deeper] = dx[deeper], joints.index(shape.joint)
-    displacement = np.zeros((len(waist), 3))
-    for k in np.flatnonzero(depth):
-        push = np.array([depth[k], 0.0, 0.0])
-        displacement[k] = displace(leg, waist[k], angles[k], point[k], int(order[k]), push, adaptor.damping)
+    displacement, inside = np.zeros((len(waist), 3)), np.flatnonzero(depth)
+    push = np.outer(depth[inside], [1.0, 0.0, 0.0])
+    there = waist[inside], angles[inside], point[inside], order[inside]
+    displacement[inside] = displace(leg, *there, push, adaptor.damping)
     return displacement
 
 
 def displace(
-    leg: Leg, waist: np.ndarray, angles: np.ndarray, point: np.ndarray, joint: int, push: np.ndarray, damping: float
-) -> np.ndarray:
-    """Eq. (25): displacement (3,) of the ankle, in the world, that moves a point of the leg by push (3,).
+    leg: Leg, waist: np.ndarray, angles: np.ndarray, point: np.ndarray, joint: np.ndarray, push: np.ndarray,
+    damping: float,
+) -> np.ndarray:  # fmt: skip
+    """Eq. (25): displacements (N, 3) of the ankle, in the world, that move points of the leg by push (N, 3).
 
     Args:
         leg: the leg.
-        waist: (7,) pose.
-        angles: (6,) joint angles [rad].
-        point: (3,) the point, in the world [m].
-        joint: index of the joint whose link the point is on: 2 thigh, 3 shank, 4 or 5 foot.
-        push: (3,) dS, in the world [m].
+        waist: (N, 7) poses.
+        angles: (N, 6) joint angles [rad].
+        point: (N, 3) the points, in the world [m].
+        joint: (N,) index of the joint whose link the point is on: 2 thigh, 3 shank, 4 or 5 foot.
+        push: (N, 3) dS, in the world [m].
         damping: of the inverse [m]; where a thigh's point leaves the knee's column empty, rank is lost.
     """
     j_s, j_p = jacobians(leg, waist, angles, point, joint)
-    to_world = pose.rotation(waist[None])[0]
-    wanted = to_world.T @ push
-    motion = j_s.T @ np.linalg.solve(j_s @ j_s.T + damping**2 * np.eye(3), wanted)
-    return np.asarray(to_world @ (j_p @ motion))
+    to_world, back = pose.rotation(waist), np.swapaxes(j_s, 1, 2)
+    wanted = np.swapaxes(to_world, 1, 2) @ push[..., None]
+    motion = back @ np.linalg.solve(j_s @ back + damping**2 * np.eye(3), wanted)
+    return np.asarray((to_world @ (j_p @ motion))[..., 0])
 
 
 def jacobians(
-    leg: Leg, waist: np.ndarray, angles: np.ndarray, point: np.ndarray, joint: int
+    leg: Leg, waist: np.ndarray, angles: np.ndarray, point: np.ndarray, joint: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """J_s and J_p (3, 4) of Eqs. (23) and (24) in the waist's frame, over the joints between waist and ankle."""
-    ankle, axes, centres = leg.joint_frames(waist[None], angles[None])
-    to_waist = pose.rotation(waist[None])[0].T
+    """J_s and J_p (N, 3, 4) of Eqs. (23) and (24) in the waist's frame, over the joints between waist and ankle."""
+    ankle, axes, centres = leg.joint_frames(waist, angles)
+    to_waist = np.swapaxes(pose.rotation(waist), 1, 2)
     columns = []
-    for target, last in ((point, joint), (ankle[0], 3)):
-        moving = np.arange(4) <= last
-        arms = np.cross(axes[0, :4], target - centres[0, :4]) * moving[:, None]
-        columns.append(to_waist @ arms.T)
+    for target, last in ((point, joint), (ankle, np.full_like(joint, 3))):
+        moving = np.arange(4) <= last[:, None]
+        arms = np.cross(axes[:, :4], target[:, None] - centres[:, :4]) * moving[..., None]
+        columns.append(to_waist @ np.swapaxes(arms, 1, 2))
     return columns[0], columns[1]
 
 
