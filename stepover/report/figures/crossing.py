@@ -89,8 +89,8 @@ def refused(robot: Robot, obstacle: Obstacle, reason: str) -> Figure:
     q[0] -= obstacle.margin_width + robot.foot.toe + 0.1
     _posture(side, robot, q)
     draw_obstacle(side, obstacle, 0.0)
-    why = textwrap.fill(f"{_size(obstacle.height, obstacle.width)}: cannot be crossed. {reason}", 125)
-    figure.suptitle(why, fontsize=9, x=0.01, ha="left")
+    why = f"{_size(obstacle.height, obstacle.width)}: cannot be crossed. {reason}".replace(" = ", "\u00a0=\u00a0")
+    figure.suptitle(textwrap.fill(why, 125), fontsize=9, x=0.01, ha="left")
     return figure
 
 
