@@ -33,8 +33,8 @@ from stepover.verdict import Measures, measure
 
 HEIGHT = 4.1
 """Of either picture [in]."""
-WAY, TALL = 0.85, 1.4
-"""What the side view shows: to either side of the obstacle, and above the floor [m]."""
+WAY, TALL = 1.3, 2.15
+"""What the side view shows, to either side of the obstacle and above the floor, over the height of the waist."""
 AROUND = 0.9
 """What is shown over time before leg 1 lifts off and after leg 2 has landed [s]."""
 FAINT = 0.4
@@ -49,7 +49,7 @@ def crossing(robot: Robot, planned: Plan) -> Figure:
     zmp, free = axes[:, 1]
     for axis in axes[:, 0]:
         axis.remove()
-    side = _side_view(figure.add_subplot(axes[0, 0].get_gridspec()[:, 0]))
+    side = _side_view(figure.add_subplot(axes[0, 0].get_gridspec()[:, 0]), robot)
     front, width, height, beside, above = motion.obstacle[:5]
     home = np.eye(1, motion.q.shape[1])[0] * front
     for foot, colour in ((motion.left_foot, LEFT), (motion.right_foot, RIGHT)):
@@ -84,7 +84,7 @@ def crossing(robot: Robot, planned: Plan) -> Figure:
 def refused(robot: Robot, obstacle: Obstacle, reason: str) -> Figure:
     """An obstacle that cannot be crossed: the robot before it, and the planner's reason."""
     figure, axes = panels(1, HEIGHT)
-    side = _side_view(axes[0, 0])
+    side = _side_view(axes[0, 0], robot)
     q = robot.half_sitting().copy()
     q[0] -= obstacle.margin_width + robot.foot.toe + 0.1
     _posture(side, robot, q)
@@ -121,10 +121,11 @@ def _moments(planned: Plan) -> list[int]:
     return [above[0], (steps[0].touch_down + steps[1].lift_off) // 2, above[1]]
 
 
-def _side_view(side: Axes) -> Axes:
-    """The floor around the obstacle, in one scale along both axes."""
+def _side_view(side: Axes, robot: Robot) -> Axes:
+    """The floor around the obstacle, with room for the robot, in one scale along both axes."""
+    way, tall = (share * robot.posture.waist_height for share in (WAY, TALL))
     side.axhline(0.0, color=REFERENCE, lw=1.0)
-    side.set(xlabel="x from the obstacle's front face [m]", ylabel="z [m]", xlim=(-WAY, WAY), ylim=(-0.03, TALL))
+    side.set(xlabel="x from the obstacle's front face [m]", ylabel="z [m]", xlim=(-way, way), ylim=(-0.03, tall))
     side.set_aspect("equal")
     side.grid(visible=False)
     return side
