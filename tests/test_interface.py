@@ -203,7 +203,13 @@ def test_every_dependency_is_pinned_at_a_version_that_will_do():
 
 
 def test_imported_libraries_are_dependencies():
-    distributions = {"pinocchio": "pin", "PIL": "pillow", "pybullet_data": "pybullet", "pybullet_utils": "pybullet"}
+    distributions = {
+        "IPython": "ipython",
+        "pinocchio": "pin",
+        "PIL": "pillow",
+        "pybullet_data": "pybullet",
+        "pybullet_utils": "pybullet",
+    }
     groups = PYPROJECT["project"]["dependencies"], PYPROJECT["project"]["optional-dependencies"]["dask"]
     declared = {Requirement(text).name for group in groups for text in group}
     imported = {name.split(".")[0] for path in FILES for name in imports(path)}
