@@ -8,7 +8,8 @@ import os
 import signal
 import threading
 import time
-from collections.abc import Callable, Iterator, Sequence
+import warnings
+from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -28,7 +29,7 @@ PATIENCE = 10.0
 _one_at_a_time = threading.Lock()
 
 
-def computed(points: Sequence[Any], work: Work, workers: int | str | None = None) -> Iterator[tuple[Any, Row]]:
+def computed(points: Sequence[Any], work: Work, workers: int | str | None = None) -> Generator[tuple[Any, Row]]:
     """Points with their rows, as they are finished.
 
     Args:
@@ -41,6 +42,7 @@ def computed(points: Sequence[Any], work: Work, workers: int | str | None = None
         InvalidInput: the cluster does not answer, has no worker, or its workers run other code than this.
         StepOverError: its scheduler is lost on the way. Workers may be: others do their work.
     """
+    warnings.filterwarnings("ignore", r"\d+ tasks .*(not used|cancelled)")  # joblib's word on an interruption
     if len(points) > 0:
         with _cluster(workers) if isinstance(workers, str) else _cores(len(points), workers) as pool:
             yield from pool(delayed(_with_row)(work, point) for point in points)

@@ -8,6 +8,7 @@ A row is a frozen dataclass of plain values.
 
 from __future__ import annotations
 
+import contextlib
 import csv
 import dataclasses
 import hashlib
@@ -142,8 +143,9 @@ def run_study(
     with (
         open(part, "ab") as file,
         tqdm(total=len(points), initial=len(points) - len(missing), desc=name, unit="point", disable=None) as bar,
+        contextlib.closing(computed(missing, work, workers)) as rows,
     ):
-        for point, row in computed(missing, work, workers):
+        for point, row in rows:
             file.write(json.dumps([repr(point), row]).encode() + b"\n")
             file.flush()
             os.fsync(file.fileno())
