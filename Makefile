@@ -14,7 +14,7 @@ wrong_python = stepover needs Python 3.11 (PyBullet has no wheels for later ones
 call make PYTHON3=/path/to/python3.11
 
 .DEFAULT_GOAL := help
-.PHONY: help env reproduce test studies lab bench lint clean
+.PHONY: help env reproduce site test studies lab bench lint clean
 
 help:       ## list these commands
 	@sed -n 's/^\([a-z]*\): .*## \(.*\)/\1|\2/p' $(MAKEFILE_LIST) | \
@@ -24,6 +24,9 @@ env: $(READY)        ## set up .venv from environment.txt (the commands below do
 
 reproduce: $(READY)  ## run every notebook; write every figure and claim to figures/
 	$(PYTHON) -m stepover reproduce
+
+site: $(READY)       ## make build/site/: all of it as pages that need no network, links checked
+	$(PYTHON) -m stepover.report.site
 
 test: $(READY)       ## run the tests, the notebooks with quick parameters among them
 	$(PYTHON) -m pytest -n auto --dist loadfile
@@ -50,8 +53,8 @@ clean:      ## remove build/ and the caches; keep .venv
 	find . -path ./$(VENV) -prune -o \( -name __pycache__ -o -name .ipynb_checkpoints \) -prune -exec rm -rf {} +
 
 # One thread a process: the parallelism is that of the processes, and sums come out the same on every run.
-reproduce test studies: export OMP_NUM_THREADS = 1
-reproduce test studies: export OPENBLAS_NUM_THREADS = 1
+reproduce site test studies: export OMP_NUM_THREADS = 1
+reproduce site test studies: export OPENBLAS_NUM_THREADS = 1
 # Not for reproduce: there the notebooks' own backend, which needs no display either, keeps the figures in their pages.
 test: export MPLBACKEND = Agg
 

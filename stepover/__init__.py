@@ -1,8 +1,10 @@
 """stepover: humanoid robots that walk dynamically over large obstacles, after Stasse et al., T-RO 2009.
 
-robot = load_robot("hrp2")
-motion = plan(robot, Obstacle(height=0.15, width=0.05))
-run = simulate(motion)
+Example::
+
+    robot = load_robot("hrp2")
+    motion = plan(robot, Obstacle(height=0.15, width=0.05))
+    run = simulate(motion)
 """
 
 from __future__ import annotations

@@ -17,11 +17,11 @@ def damped(state: State, lack: State, admittance: float, back: float, most: floa
     Kajita et al. (2010), Sec. IV: the law of both the ankles and the force difference.
 
     Args:
-        state: x.
+        state: x itself.
         lack: what is to vanish.
         admittance: speed of x for a lack of one.
         back: time in which x returns [s].
-        most: largest |x|.
+        most: largest absolute value of x.
         dt: period [s].
     """
     return bounded(state + dt * (admittance * lack - state / back), -most, most)

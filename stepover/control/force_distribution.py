@@ -2,7 +2,7 @@
 
 A foot under the ankle a_i that bears the share w_i of the whole force F with its pressure's centre at a_i + d_i loads
 the ankle with the moment w_i F d_i. Of all shares and centres that put the whole ZMP where it shall be, those are
-taken that cost least in sum_i w_i |d_i|^2: both centres lie off their ankles by the same d, and the shares are those
+taken that cost least in `sum_i w_i |d_i|^2`: both centres lie off their ankles by the same d, and the shares are those
 of the point between the ankles that is nearest to the ZMP. If d leaves the soles, the nearest shares are taken with
 which it does not; where there are none, along the hull's outer sides, the centres stop at the soles' edges.
 """

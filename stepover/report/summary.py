@@ -7,12 +7,12 @@ import json
 import math
 from typing import TYPE_CHECKING, Any
 
+from stepover.model.obstacle import Obstacle
+from stepover.model.robot import Robot
+from stepover.planned import Plan
 from stepover.verdict import measure
 
 if TYPE_CHECKING:
-    from stepover.model.obstacle import Obstacle
-    from stepover.model.robot import Robot
-    from stepover.planned import Plan
     from stepover.simulation.measurements import Run
 
 

@@ -1,0 +1,147 @@
+"""`make site`: one site that needs no network, with every notebook executed. The only door to Sphinx.
+
+The pages are laid out by site_pages, rendered by Sphinx as docs/site says, and checked by site_links. Notebooks that
+`make reproduce` has not left in build/notebooks/, or that are older than what they show, are run first. Nothing outside
+build/ is written; a site that fails leaves the old one as it was.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from stepover.errors import StepOverError
+from stepover.model.obstacle import Obstacle
+from stepover.model.robot import load_robot
+from stepover.planner import plan
+from stepover.report import viewer
+from stepover.report.reproduce import OUTPUT, checkout, find_notebooks, run_notebook
+from stepover.report.site_links import faults
+from stepover.report.site_pages import BESIDE, FILES, VIEWS, lay_out
+from stepover.units.step_sequence import LEG_1
+
+CROSSINGS = {
+    "hrp2_15cm": ("HRP-2 over 15 cm", "hrp2", 0.15),
+    "hrp2_25cm": ("HRP-2 over 25 cm", "hrp2", 0.25),
+    "jvrc1_18cm": ("JVRC-1 over 18 cm", "jvrc1", 0.18),
+}
+"""3-D pages: title, robot, and height of an obstacle 5 cm wide [m], by the page's name."""
+INDEPENDENT = "cli", "__main__.py"
+"""Code that no notebook depends on, beside the site's own."""
+
+
+class SiteFailed(StepOverError):
+    """A page that Sphinx complains about, or a link that leads nowhere; the message names them, one a line."""
+
+    exit_code = 1
+
+
+def make(top: Path) -> Path:
+    """The whole site of a checkout, build/site/.
+
+    Raises:
+        NotebookFailed: a notebook that had to be run.
+        SiteFailed: see there.
+    """
+    executed = [_executed(top, notebook) for notebook in find_notebooks(top)]
+    views = {name: (title, crossing(robot, height)) for name, (title, robot, height) in CROSSINGS.items()}
+    return build(top, executed, views, top / "build" / "site")
+
+
+def crossing(name: str, height: float) -> str:
+    """3-D page of a robot that steps over an obstacle [m], at first with leg 1 just behind it."""
+    robot = load_robot(name)
+    motion = plan(robot, Obstacle(height, 0.05))
+    (landing,) = motion.footsteps[motion.footsteps[:, 5] == LEG_1, 0]
+    return viewer.page(robot, motion, float(landing))
+
+
+def build(top: Path, notebooks: Sequence[Path], views: Mapping[str, tuple[str, str]], site: Path) -> Path:
+    """Render a site and put it in its place once it is whole.
+
+    Args:
+        top: the checkout.
+        notebooks: executed.
+        views: title and page of the 3-D views, by the name of the file.
+        site: folder to be made, or replaced.
+
+    Raises:
+        SiteFailed: see there.
+    """
+    work = site.with_name(f"{site.name}.part")
+    shutil.rmtree(work, ignore_errors=True)
+    pages, made = work / "pages", work / "html"
+    lay_out(top, notebooks, {name: title for name, (title, _) in views.items()}, pages)
+    _render(pages, made, top / "docs" / "site")
+    for folder in FILES:
+        shutil.copytree(pages / folder, made / folder, ignore=shutil.ignore_patterns("*.md"), dirs_exist_ok=True)
+    for name in BESIDE:
+        shutil.copy(pages / name, made)
+    (made / VIEWS).mkdir()
+    for name, (_, page) in views.items():
+        (made / VIEWS / f"{name}.html").write_text(page, encoding="utf-8")
+    wrong = faults(made)
+    if wrong:
+        raise SiteFailed("\n".join(["broken links:", *wrong]))
+    shutil.rmtree(site, ignore_errors=True)
+    os.replace(made, site)
+    shutil.rmtree(work)
+    return site
+
+
+def stale(top: Path, notebook: Path) -> str:
+    """Why the executed copy of a notebook will not do; "" where it does."""
+    executed = top / "build" / "notebooks" / notebook.name
+    if not executed.is_file():
+        return "has not been run"
+    try:
+        run = json.loads(executed.read_text())["metadata"]["papermill"]
+    except (ValueError, KeyError):
+        return "has an executed copy that cannot be read"
+    if run.get("exception") or not run.get("end_time") or set(run.get("parameters", {})) - {OUTPUT}:
+        return "has not been run to its end with its own parameters"
+    newer = (path for path in _sources(top, notebook) if path.stat().st_mtime > executed.stat().st_mtime)
+    return next((f"is older than {path.relative_to(top)}" for path in newer), "")
+
+
+def _sources(top: Path, notebook: Path) -> list[Path]:
+    """What a notebook shows: itself, the library, the data, the stored tables."""
+    package = top / "stepover"
+    code = [path for path in package.rglob("*.py") if path.relative_to(package).parts[0] not in INDEPENDENT]
+    code = [path for path in code if not path.stem.startswith("site")]
+    data = [path for path in (top / "data").rglob("*") if path.is_file() and path.suffix != ".md"]
+    return [notebook, *sorted(code), *sorted(data), *sorted((top / "figures").glob("*.csv"))]
+
+
+def _executed(top: Path, notebook: Path) -> Path:
+    """The executed copy of a notebook, run now where it is missing or stale; its figures and records go nowhere."""
+    executed, why = top / "build" / "notebooks" / notebook.name, stale(top, notebook)
+    if why:
+        print(f"notebook {notebook.stem} {why}: it is run", flush=True)
+        staging = top / "build" / "staging" / notebook.stem
+        shutil.rmtree(staging, ignore_errors=True)
+        staging.mkdir(parents=True)
+        run_notebook(notebook, executed, staging, {})
+        shutil.rmtree(staging)
+    return executed
+
+
+def _render(pages: Path, made: Path, settings: Path) -> None:
+    """Let Sphinx make pages of pages; whatever it complains about is an error."""
+    options = ["-b", "html", "-q", "-W", "--keep-going", "-j", "auto", "-E", "-d", str(pages.parent / "doctrees")]
+    command = [sys.executable, "-m", "sphinx", *options, "-c", str(settings), str(pages), str(made)]
+    done = subprocess.run(command, capture_output=True, text=True)
+    if done.returncode:
+        raise SiteFailed(f"Sphinx complains:\n{done.stderr.strip().replace(str(pages), '')}")
+
+
+if __name__ == "__main__":
+    try:
+        print(make(checkout()) / "index.html")
+    except StepOverError as error:
+        sys.exit(f"error: {error}")
