@@ -6,6 +6,7 @@ import json
 import os
 import re
 import shutil
+import subprocess
 from pathlib import Path
 
 import nbformat
@@ -165,6 +166,20 @@ class TestBuild:
         with pytest.raises(site.SiteFailed, match=r"index\.html: nowhere\.html is not there"):
             site.build(TOP, [], {}, old)
         assert (old / "index.html").read_text() == "old"
+
+    def test_what_sphinx_complains_about_is_said_of_the_checkouts_own_files(self, tmp_path, monkeypatch):
+        def run(command, **options):
+            (*_, pages, _made) = command
+            said = f"{pages}/index.md:3: WARNING: no such page\n{pages}/docs/own_robot.md:1: WARNING: nor this one\n"
+            return subprocess.CompletedProcess(command, 1, "", said)
+
+        monkeypatch.setattr(subprocess, "run", run)
+        with pytest.raises(site.SiteFailed) as failed:
+            site.build(TOP, [], {}, tmp_path / "site")
+        assert str(failed.value).splitlines()[1:] == [
+            "README.md:3: WARNING: no such page",
+            "docs/own_robot.md:1: WARNING: nor this one",
+        ]
 
 
 class TestPages:

@@ -30,6 +30,7 @@ nb_render_markdown_format = "myst"  # in outputs too: tables, formulas
 nb_ipywidgets_js = {}  # would load ipywidgets from a host; a widget shows as the picture that it carries
 nb_mime_priority_overrides = [("html", "application/vnd.jupyter.widget-view+json", None)]
 
+highlight_language = "text"
 default_role = "code"  # docstrings write `name`
 autodoc_default_options = {"members": True, "ignore-module-all": True}
 autodoc_member_order = "bysource"

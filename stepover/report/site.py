@@ -137,7 +137,8 @@ def _render(pages: Path, made: Path, settings: Path) -> None:
     command = [sys.executable, "-m", "sphinx", *options, "-c", str(settings), str(pages), str(made)]
     done = subprocess.run(command, capture_output=True, text=True)
     if done.returncode:
-        raise SiteFailed(f"Sphinx complains:\n{done.stderr.strip().replace(str(pages), '')}")
+        complaints = done.stderr.strip().replace(f"{pages}/index.md", "README.md").replace(f"{pages}/", "")
+        raise SiteFailed(f"Sphinx complains:\n{complaints}")
 
 
 if __name__ == "__main__":
