@@ -80,8 +80,14 @@ def _keep_colons(app: Sphinx, what: str, name: str, obj: Any, options: Any, line
         lines.insert(0, "")
 
 
+def _skip(app: Sphinx, what: str, name: str, obj: Any, skip: bool, options: Any) -> bool | None:
+    """Leave out what Python itself says of the fields of a named tuple; their class says more."""
+    return True if str(getattr(obj, "__doc__", "")).startswith("Alias for field number") else None
+
+
 def setup(app: Sphinx) -> None:
     """Formulas as MathML, which every browser shows by itself; links to files."""
     app.add_html_math_renderer("mathml", (_inline, None), (_block, None))
+    app.connect("autodoc-skip-member", _skip)
     app.connect("autodoc-process-docstring", _keep_colons, priority=100)
     app.connect("doctree-read", _link_files, priority=100)  # before Sphinx collects downloads
