@@ -73,15 +73,15 @@ def contents(readme: str, pages: Path) -> str:
     named = re.findall(r"\(notebooks/(\w+)\.ipynb\)", readme.partition("## The notebooks")[2])
     notebooks = [name for name in dict.fromkeys(named) if name in known]
     robots = sorted(path.relative_to(pages).with_suffix("").as_posix() for path in pages.glob("data/*/README.md"))
-    guides = sorted(f"docs/{path.stem}" for path in (pages / "docs").glob("*.md"))
+    others = sorted(f"docs/{path.stem}" for path in (pages / "docs").glob("*.md") if path.stem != "own_robot")
     return "".join(
         "\n```{toctree}\n:hidden:\n:caption: " + "\n".join([caption, "", *names]) + "\n```\n"
         for caption, names in (
             ("Results", ["claims"]),
             ("Notebooks", [f"notebooks/{name}" for name in notebooks + [one for one in known if one not in notebooks]]),
             ("In 3-D", [VIEWS]),
-            ("Robots", guides + robots),
-            ("Library", ["api", "ARCHITECTURE", "CONTRIBUTING", "CHANGELOG"]),
+            ("Robots", ["docs/own_robot", *robots]),
+            ("Library", ["api", *others, "ARCHITECTURE", "CONTRIBUTING", "CHANGELOG"]),
         )
     )
 
