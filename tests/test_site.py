@@ -81,7 +81,13 @@ class TestSite:
         assert page.count("pybullet 3.") == len(read_entries(TOP / "figures" / "claims.json"))
 
     def test_files_of_the_repository_come_along(self, built):
-        for name in ("figures/claims.json", "figures/landing.csv", "data/claims.toml", "CITATION.cff"):
+        for name in (
+            "figures/claims.json",
+            "figures/landing.csv",
+            "bench/history.json",
+            "data/claims.toml",
+            "CITATION.cff",
+        ):
             assert (built / name).read_bytes() == (TOP / name).read_bytes()
 
     def test_every_promised_name_is_described(self, built):

@@ -22,6 +22,7 @@ project, author, version = "stepover", "the stepover authors", stepover.__versio
 copyright = author
 extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.autosummary", "sphinx.ext.napoleon"]
 root_doc = "index"
+smartquotes = False  # --help is no dash
 
 myst_enable_extensions = ["dollarmath", "html_image"]
 myst_heading_anchors = 3

@@ -16,7 +16,7 @@ from stepover.report.recorder import shown
 from stepover.report.tables import table
 from stepover.report.verdicts import Entry, read_entries
 
-FILES = "figures", "data"
+FILES = "figures", "data", "bench"
 """Folders that pages link into, and that the site holds at the same place."""
 BESIDE = "LICENSE", "CITATION.cff"
 """Files at the top that pages link to."""
@@ -52,7 +52,7 @@ def lay_out(top: Path, notebooks: Iterable[Path], titles: dict[str, str], pages:
         pages: folder to be made.
     """
     for folder in (*FILES, "docs"):
-        shutil.copytree(top / folder, pages / folder, ignore=shutil.ignore_patterns("site"))
+        shutil.copytree(top / folder, pages / folder, ignore=shutil.ignore_patterns("site", "*.py", "__pycache__"))
     for path in [*top.glob("*.md"), *(top / name for name in BESIDE)]:
         shutil.copy(path, pages)
     shutil.copy(top / "docs" / "site" / "api.rst", pages)
