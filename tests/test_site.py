@@ -16,12 +16,11 @@ from nbformat.v4 import new_code_cell, new_output
 from stepover.report import site
 from stepover.report.reproduce import NotebookFailed, checkout
 from stepover.report.site_links import faults
-from stepover.report.site_pages import claims_page, contents
+from stepover.report.site_pages import WIDGET, claims_page, contents
 from stepover.report.verdicts import read_entries
 
 TOP = checkout()
 PIXEL = "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg=="
-WIDGET = "application/vnd.jupyter.widget-view+json"
 
 
 def with_outputs(notebook, folder):
@@ -30,7 +29,7 @@ def with_outputs(notebook, folder):
     shown = [
         {"text/markdown": "| angle | torque |\n| --- | --- |\n| $\\alpha_{ankle}$ | 12 |", "text/plain": "a table"},
         {"image/png": PIXEL, "text/plain": "a figure"},
-        {WIDGET: {"model_id": "1", "version_major": 2}, "image/png": PIXEL, "text/plain": "a slider"},
+        {WIDGET: {"model_id": "1", "version_major": 2}, "text/plain": "a slider"},
     ]
     outputs = [new_output("display_data", data) for data in shown]
     told = new_code_cell("output = '/a/staging/folder'", metadata={"tags": ["injected-parameters"]})
@@ -68,7 +67,7 @@ class TestSite:
         page = (built / "notebooks" / "adaptation.html").read_text()
         assert re.search(r"<th[^>]*><p>torque</p></th>", page)
         assert "<mi>α</mi>" in page
-        assert page.count(".png") >= 2
+        assert page.count("_images") == page.count("<img") == 1
         assert "a slider" not in page
         assert "/a/staging/folder" not in page
         assert "widget" not in page.replace("mystnb", "")
@@ -96,6 +95,10 @@ class TestSite:
         described = "".join(path.read_text() for path in (built / "api").glob("*.html"))
         for name in stepover.__all__:
             assert re.search(rf'id="stepover\.[\w.]*\b{name}"', described), name
+
+    def test_a_link_to_a_module_opens_its_reference(self, built):
+        page = (built / "notebooks" / "tour.html").read_text()
+        assert '"../api/stepover.units.html#module-stepover.units.feet_adaptor"' in page
 
     def test_nothing_is_left_beside_it(self, built):
         assert not built.with_name("site.part").exists()

@@ -28,8 +28,7 @@ myst_enable_extensions = ["dollarmath", "html_image"]
 myst_heading_anchors = 3
 nb_execution_mode = "off"
 nb_render_markdown_format = "myst"  # in outputs too: tables, formulas
-nb_ipywidgets_js = {}  # would load ipywidgets from a host; a widget shows as the picture that it carries
-nb_mime_priority_overrides = [("html", "application/vnd.jupyter.widget-view+json", None)]
+nb_ipywidgets_js = {}  # would be loaded from a host
 
 highlight_language = "text"
 default_role = "code"  # docstrings write `name`
@@ -68,11 +67,13 @@ def _block(writer: Any, node: nodes.math_block) -> None:
 
 
 def _link_files(app: Sphinx, doctree: nodes.document) -> None:
-    """Open a linked file of the repository where the site has it, instead of downloading it under another name."""
+    """Open a linked file of the repository where the site has it, a module at its place in the reference."""
     page = Path(app.env.docname).parent
     for node in list(doctree.findall(addnodes.download_reference)):
         file, _ = app.env.relfn2path(node["reftarget"], app.env.docname)
-        node.replace_self(nodes.reference("", "", *node.children, refuri=os.path.relpath(file, page)))
+        module = ".".join(Path(file).with_suffix("").parts)
+        target = f"api/{module.rpartition('.')[0]}.html#module-{module}" if file.endswith(".py") else file
+        node.replace_self(nodes.reference("", "", *node.children, refuri=os.path.relpath(target, page)))
 
 
 def _keep_colons(app: Sphinx, what: str, name: str, obj: Any, options: Any, lines: list[str]) -> None:

@@ -79,7 +79,9 @@ def build(top: Path, notebooks: Sequence[Path], views: Mapping[str, tuple[str, s
     lay_out(top, notebooks, {name: title for name, (title, _) in views.items()}, pages)
     _render(pages, made, top / "docs" / "site")
     for folder in FILES:
-        shutil.copytree(pages / folder, made / folder, ignore=shutil.ignore_patterns("*.md"), dirs_exist_ok=True)
+        shutil.copytree(
+            pages / folder, made / folder, ignore=shutil.ignore_patterns("*.md", "*.py"), dirs_exist_ok=True
+        )
     for name in BESIDE:
         shutil.copy(pages / name, made)
     (made / VIEWS).mkdir()

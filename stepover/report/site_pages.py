@@ -21,6 +21,7 @@ FILES = "figures", "data", "bench"
 BESIDE = "LICENSE", "CITATION.cff"
 """Files at the top that pages link to."""
 VIEWS = "crossings"
+WIDGET = "application/vnd.jupyter.widget-view+json"
 SHOWN_ELSEWHERE = ("id", "statement")
 CLAIMS = """# The claims, in full
 
@@ -51,8 +52,8 @@ def lay_out(top: Path, notebooks: Iterable[Path], titles: dict[str, str], pages:
         titles: of the 3-D views, by the name of their file.
         pages: folder to be made.
     """
-    for folder in (*FILES, "docs"):
-        shutil.copytree(top / folder, pages / folder, ignore=shutil.ignore_patterns("site", "*.py", "__pycache__"))
+    for folder in (*FILES, "docs", "stepover"):
+        shutil.copytree(top / folder, pages / folder, ignore=shutil.ignore_patterns("site", "__pycache__"))
     for path in [*top.glob("*.md"), *(top / name for name in BESIDE)]:
         shutil.copy(path, pages)
     shutil.copy(top / "docs" / "site" / "api.rst", pages)
@@ -87,8 +88,11 @@ def contents(readme: str, pages: Path) -> str:
 
 
 def for_readers(notebook: Any) -> Any:
-    """An executed notebook without what says nothing to a reader: where its figures went, the state of its widgets."""
+    """An executed notebook without what says nothing to a reader: where its figures went, widgets without a kernel."""
     notebook.cells = [cell for cell in notebook.cells if "injected-parameters" not in cell.metadata.get("tags", [])]
+    for cell in notebook.cells:
+        if cell.cell_type == "code":
+            cell.outputs = [output for output in cell.outputs if WIDGET not in output.get("data", {})]
     notebook.metadata.pop("widgets", None)
     return notebook
 
