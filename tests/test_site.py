@@ -67,7 +67,7 @@ class TestSite:
         page = (built / "notebooks" / "adaptation.html").read_text()
         assert re.search(r"<th[^>]*><p>torque</p></th>", page)
         assert "<mi>α</mi>" in page
-        assert page.count("_images") == page.count("<img") == 1
+        assert len(re.findall(r"<img[^>]* src=\"../_images/", page)) == 1
         assert "a slider" not in page
         assert "/a/staging/folder" not in page
         assert "widget" not in page.replace("mystnb", "")
