@@ -31,6 +31,8 @@ CROSSINGS = {
     "jvrc1_18cm": ("JVRC-1 over 18 cm", "jvrc1", 0.18),
 }
 """3-D pages: title, robot, and height of an obstacle 5 cm wide [m], by the page's name."""
+PARTS = "4"
+"""Into which Sphinx divides its work, alphabetically: with fewer, all of the reference would fall to one core."""
 INDEPENDENT = "cli", "__main__.py"
 """Code that no notebook depends on, beside the site's own."""
 
@@ -135,7 +137,7 @@ def _executed(top: Path, notebook: Path) -> Path:
 
 def _render(pages: Path, made: Path, settings: Path) -> None:
     """Let Sphinx make pages of pages; whatever it complains about is an error."""
-    options = ["-b", "html", "-q", "-W", "--keep-going", "-j", "auto", "-E", "-d", str(pages.parent / "doctrees")]
+    options = ["-b", "html", "-q", "-W", "--keep-going", "-j", PARTS, "-E", "-d", str(pages.parent / "doctrees")]
     command = [sys.executable, "-m", "sphinx", *options, "-c", str(settings), str(pages), str(made)]
     done = subprocess.run(command, capture_output=True, text=True)
     if done.returncode:
