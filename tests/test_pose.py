@@ -57,3 +57,14 @@ def test_cross_product_is_right_handed():
     np.testing.assert_array_equal(pose.cross([1.0, 0.0, 0.0], [0.0, 1.0, 0.0]), [0.0, 0.0, 1.0])
     a, b = RNG.normal(size=(2, 3))
     np.testing.assert_allclose(pose.cross(a, b), np.cross(a, b), atol=1e-15)
+
+
+def test_turns_are_those_between_the_matrices_whatever_sign_a_quaternion_has():
+    for size in (1.0, 1e-3, 1e-9, 0.0):
+        steps = Rotation.from_rotvec(size * RNG.normal(size=(40, 3)))
+        ways = [Rotation.from_euler("ZY", [0.7, 0.4])]
+        for step in steps:
+            ways.append(ways[-1] * step)
+        quaternions = np.array([way.as_quat() for way in ways]) * RNG.choice([-1.0, 1.0], (len(ways), 1))
+        poses = np.column_stack([np.zeros((len(ways), 3)), quaternions])
+        np.testing.assert_allclose(pose.turns(poses), steps.as_rotvec(), atol=3e-15)

@@ -158,10 +158,9 @@ class Body:
     @staticmethod
     def _steps(q: np.ndarray) -> np.ndarray:
         """Differences (N + 1, nv) on the manifold from each sample to the next; the first and the last one twice."""
-        rotations = pose.rotation(q[:, :7])
-        inverse = np.swapaxes(rotations[:-1], 1, 2)
-        turn = pose.Rotation.from_matrix(inverse @ rotations[1:]).as_rotvec()
-        shift = np.einsum("nab,nb->na", inverse, np.diff(q[:, :3], axis=0))
+        inverse = np.swapaxes(pose.rotation(q[:-1, :7]), 1, 2)
+        turn = pose.turns(q[:, :7])
+        shift = (inverse @ np.diff(q[:, :3], axis=0)[..., None])[..., 0]
         steps = np.column_stack([_log_translation(turn, shift), turn, np.diff(q[:, 7:], axis=0)])
         return np.vstack([steps[:1], steps, steps[-1:]])
 

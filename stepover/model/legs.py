@@ -133,22 +133,23 @@ class Leg:
         waist_r, foot_r = pose.rotation(waist), pose.rotation(sole)
         hip = waist[:, :3] + waist_r @ origins[0]
         ankle = sole[:, :3] + foot_r @ [0.0, 0.0, self.ankle_height]
-        x, y, z = np.einsum("nba,nb->an", foot_r, hip - ankle)
+        x, y, z = (np.swapaxes(foot_r, 1, 2) @ (hip - ankle)[..., None])[..., 0].T
         radius = np.maximum(np.hypot(y, z), abs(lateral))
         roll = np.arctan2(y, z) + np.arcsin(lateral / radius)
         reach = np.sqrt(radius**2 - lateral**2) + 1j * x  # from the ankle to the hip, in the leg's plane
-        longest, shortest = abs(thigh) + abs(shank), abs(abs(thigh) - abs(shank))
-        excess = np.maximum(np.maximum(abs(reach) - longest, shortest - abs(reach)), 0.0)
-        cosine = (abs(reach) ** 2 - abs(thigh) ** 2 - abs(shank) ** 2) / (2.0 * abs(thigh) * abs(shank))
+        length, longest, shortest = abs(reach), abs(thigh) + abs(shank), abs(abs(thigh) - abs(shank))
+        excess = np.maximum(np.maximum(length - longest, shortest - length), 0.0)
+        cosine = (length**2 - abs(thigh) ** 2 - abs(shank) ** 2) / (2.0 * abs(thigh) * abs(shank))
         bend = np.sign(self.rest[3]) * np.arccos(np.clip(cosine, -1.0, 1.0))
         knee = bend + np.angle(thigh) - np.angle(shank)
         pitch = -np.angle(-reach / (thigh + shank * np.exp(1j * knee))) - knee
-        upper = np.swapaxes(waist_r, 1, 2) @ foot_r @ axis_rotation(np.eye(3)[0], -roll)
-        upper = upper @ axis_rotation(np.eye(3)[1], -(knee + pitch))
+        turn = (np.swapaxes(waist_r, 1, 2) @ foot_r).transpose(1, 2, 0)  # the foot's axes, seen from the waist
+        sine, cosine = np.sin(roll), np.cos(roll)
+        side, up = cosine * turn[:, 1] - sine * turn[:, 2], sine * turn[2, 1] + cosine * turn[2, 2]
         hip_angles = [
-            np.arctan2(-upper[:, 0, 1], upper[:, 1, 1]),
-            np.arcsin(np.clip(upper[:, 2, 1], -1.0, 1.0)),
-            np.arctan2(-upper[:, 2, 0], upper[:, 2, 2]),
+            np.arctan2(-side[0], side[1]),
+            np.arcsin(np.clip(side[2], -1.0, 1.0)),
+            np.arctan2(-turn[2, 0], up) - knee - pitch,  # three turns about parallel axes add up
         ]
         wrapped = (np.column_stack([*hip_angles, knee, pitch, roll]) + np.pi) % (2.0 * np.pi) - np.pi
         return wrapped, excess

@@ -33,6 +33,16 @@ def rotation(poses: np.ndarray) -> np.ndarray:
     return Rotation.from_quat(poses[:, 3:]).as_matrix()
 
 
+def turns(poses: np.ndarray) -> np.ndarray:
+    """Rotation vectors (N - 1, 3) [rad] from each pose to the next, in its own frame."""
+    here, there = poses[:-1, 3:].T, poses[1:, 3:].T
+    vector = here[3] * there[:3] - there[3] * here[:3] - np.cross(here[:3], there[:3], axis=0)
+    scalar, sine = (here * there).sum(axis=0), np.sqrt((vector**2).sum(axis=0))
+    half = np.arctan2(sine, np.abs(scalar))  # of the two ways round, the shorter one
+    factor = np.divide(2.0 * half, sine, out=np.full_like(sine, 2.0), where=sine > 0.0) * np.where(scalar < 0.0, -1.0, 1.0)
+    return np.asarray((factor * vector).T)
+
+
 def from_matrices(rotations: np.ndarray, positions: np.ndarray) -> np.ndarray:
     """Poses (N, 7) of rotations (N, 3, 3) and positions (N, 3), without sign jumps between the quaternions."""
     quaternions = Rotation.from_matrix(rotations).as_quat()
