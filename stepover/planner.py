@@ -114,7 +114,7 @@ def algorithm_1(robot: Robot, obstacle: Obstacle, key: KeyConfiguration, effort:
             break
         adaptation = adapt_feet(robot, obstacle, sequence, flat, ftg, effort.methods)  # 7: FTA
         if not adaptation.clear:
-            raise adaptation.explain(robot, obstacle, sequence, flat)
+            raise adaptation.explain(robot, sequence)
         if not adaptation.acted:
             break
         feet, waist = adaptation.feet, raise_waist(robot, sequence, flat, adaptation.raised)

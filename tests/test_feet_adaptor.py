@@ -119,7 +119,7 @@ def test_without_any_method_it_says_what_remains(robot, high):
     result = adapt_feet(robot, obstacle, sequence, waist, feet, methods=())
     assert not result.clear
     assert not result.acted
-    error = result.explain(robot, obstacle, sequence, waist)
+    error = result.explain(robot, sequence)
     assert "LLEG_LINK3" in str(error)
     assert f"{1e3 * error.short:.1f} mm inside" in str(error)
 

@@ -35,7 +35,7 @@ class Adaptation:
         raised: method (2), how far the waist rose [m].
         pushed: method (3), largest displacement of the ankle [m].
         start, end: first and last time at which anything differs [s], NaN if nothing does.
-        clear: whether the legs are free, within reach and limits along phase 3.
+        check: what the legs come to along phase 3.
     """
 
     feet: FeetTrajectories
@@ -45,23 +45,25 @@ class Adaptation:
     pushed: float
     start: float
     end: float
-    clear: bool
+    check: LegCheck
 
     @property
     def acted(self) -> bool:
         """Whether anything was adapted."""
         return max(self.shift, self.raised, self.pushed) > 0.0
 
+    @property
+    def clear(self) -> bool:
+        """Whether the legs are free, within reach and limits along phase 3."""
+        return bool(self.check.good().all())
+
     def still_clear(self, robot: Robot, obstacle: Obstacle, sequence: StepSequence, waist: np.ndarray) -> bool:
         """Whether the adapted feet are free under another waist (N, 7), raised already: then FTA has nothing left."""
-        return _is_clear(robot, obstacle, sequence, waist, self.feet)
+        return bool(_check(robot, obstacle, sequence, waist, self.feet).good().all())
 
-    def explain(self, robot: Robot, obstacle: Obstacle, sequence: StepSequence, waist: np.ndarray) -> Infeasible:
-        """What remains where it is not clear: the link, the depth and when, for a waist (N, 7) not yet raised."""
-        step = sequence.step(LEG_2)
-        swing = slice(step.lift_off, step.touch_down + 1)
-        lifted = raise_waist(robot, sequence, waist, self.raised)[swing]
-        check = _check(robot, obstacle, sequence, lifted, self.feet.left[swing], self.feet.right[swing])
+    def explain(self, robot: Robot, sequence: StepSequence) -> Infeasible:
+        """What remains where it is not clear: the link, the depth and when."""
+        check, step = self.check, sequence.step(LEG_2)
         worst = int(np.argmin(check.separation))
         if check.separation[worst] >= 0.0:
             worst = int(np.argmin(np.where(check.reach > 0.0, -1e3 * check.reach, check.limit)))
@@ -71,12 +73,14 @@ class Adaptation:
         else:
             link, short = leg_shapes(robot)[check.shape[worst]].link, float(-check.separation[worst])
             what = f"{link} stays {1e3 * short:.1f} mm inside the obstacle's safety margin"
-        when = f"t = {sequence.time[swing][worst]:.3f} s (phase 3)"
+        when = f"t = {sequence.time[step.lift_off + worst]:.3f} s (phase 3)"
         return Infeasible(f"FTA finds no way: {what} at {when}", short=short)
 
 
 METHODS = (1, 2, 3)
 """The methods of Sec. III-E, for those who want to switch some off."""
+FIRST_LOOK = 4
+"""Of the samples that the search looks at, every so many tell for most shifts and raises that they will not do."""
 
 
 def adapt_feet(
@@ -98,13 +102,21 @@ def adapt_feet(
         methods: which of the three may be used.
     """
     adaptor = robot.adaptor
-    if _is_clear(robot, obstacle, sequence, waist, feet):
-        return Adaptation(feet, np.zeros(len(waist)), 0.0, 0.0, 0.0, np.nan, np.nan, clear=True)
+    check = _check(robot, obstacle, sequence, waist, feet)
+    if check.good().all():
+        return Adaptation(feet, np.zeros(len(waist)), 0.0, 0.0, 0.0, np.nan, np.nan, check)
     shifts = np.arange(0.0, adaptor.shift_max + 1e-9, adaptor.shift_step) if 1 in methods else np.zeros(1)
     raises = np.arange(0.0, adaptor.raise_max + 1e-9, adaptor.raise_step) if 2 in methods else np.zeros(1)
+
+    def look(raises: np.ndarray, shifts: np.ndarray, every: int) -> np.ndarray:
+        return clearances(robot, obstacle, sequence, waist, feet, raises, shifts, every * adaptor.look_every)
+
+    bounds = look(np.repeat(raises, len(shifts)), np.tile(shifts, len(raises)), FIRST_LOOK).reshape(len(raises), -1)
     best = (-np.inf, 0.0, 0.0)
-    for height in raises:  # (1), then (2) and (1) again
-        free = clearances(robot, obstacle, sequence, raise_waist(robot, sequence, waist, height), feet, shifts)
+    for height, bound in zip(raises, bounds, strict=True):  # (1), then (2) and (1) again
+        free, may_do = bound.copy(), (bound > -np.inf) & (bound >= min(best[0], adaptor.spare))
+        free[~may_do] = -np.inf
+        free[may_do] = look(np.full(may_do.sum(), height), shifts[may_do], 1)
         enough = free >= adaptor.spare
         first = int(np.argmax(enough) if enough.any() else np.argmax(free))
         best = max(best, (float(free[first]), float(shifts[first]), float(height)))
@@ -117,9 +129,7 @@ def adapt_feet(
 
 def shift_back(robot: Robot, feet: FeetTrajectories, step: Step, distance: float) -> FeetTrajectories:
     """Method (1): the swing foot's horizontal trajectory moved back, by distance [m] where it is most."""
-    peak, rest = robot.adaptor.shift_peak, 1.0 - robot.stepping_over.rest
-    bump = _bump(((0.0, 0.0), (peak, 1.0), (rest, 0.0)), step.touch_down - step.lift_off + 1)
-    return _displaced(feet, step, np.outer(-distance * bump / bump.max(), [1.0, 0.0, 0.0]))
+    return _displaced(feet, step, np.outer(-distance * _back(robot, step), [1.0, 0.0, 0.0]))
 
 
 @lru_cache(maxsize=16)
@@ -137,10 +147,27 @@ def raise_waist(robot: Robot, sequence: StepSequence, waist: np.ndarray, height:
 
 def waist_bump(robot: Robot, sequence: StepSequence, height: float) -> np.ndarray:
     """Extra waist height (N,) [m] of method (2): smooth, zero outside of phase 3."""
-    step = sequence.step(LEG_2)
-    share = (np.arange(len(sequence.time)) - step.lift_off) / (step.touch_down - step.lift_off)
-    bump = clamped_spline([(0.0, 0.0), (robot.adaptor.raise_peak, 1.0), (1.0, 0.0)], share)
-    return height * np.where((share > 0.0) & (share < 1.0), bump / bump.max(), 0.0)
+    step, bump = sequence.step(LEG_2), np.zeros(len(sequence.time))
+    bump[step.lift_off : step.touch_down + 1] = height * _up(robot, step)
+    return bump
+
+
+def _back(robot: Robot, step: Step) -> np.ndarray:
+    """Share of method (1)'s shift at the samples of a swing, both ends included."""
+    return _bump(robot.adaptor.shift_peak, 1.0 - robot.stepping_over.rest, step.touch_down - step.lift_off + 1)
+
+
+def _up(robot: Robot, step: Step) -> np.ndarray:
+    """Share of method (2)'s raise at the samples of a swing, both ends included."""
+    return _bump(robot.adaptor.raise_peak, 1.0, step.touch_down - step.lift_off + 1)
+
+
+@lru_cache(maxsize=16)
+def _bump(peak: float, end: float, count: int) -> np.ndarray:
+    """Smooth bump (count,) over a swing's time from 0 to 1: a knot where its peak shall be, 0 at both ends."""
+    bump = clamped_spline([(0.0, 0.0), (peak, 1.0), (end, 0.0)], np.linspace(0.0, 1.0, count))
+    bump[[0, -1]] = 0.0
+    return bump / bump.max()
 
 
 def push_ankle(
@@ -178,24 +205,43 @@ def clearances(
     sequence: StepSequence,
     waist: np.ndarray,
     feet: FeetTrajectories,
+    raises: np.ndarray,
     shifts: np.ndarray,
+    every: int,
 ) -> np.ndarray:
-    """Smallest separation (S,) [m] of the legs in phase 3 for each shift of method (1); -inf beyond reach or limits."""
+    """Smallest separation (C,) [m] of the legs in phase 3 for C pairs of a raise and a shift, at every so many samples.
+
+    It is -inf beyond reach or limits.
+    """
     step = sequence.step(LEG_2)
-    every = slice(step.lift_off, step.touch_down + 1, robot.adaptor.look_every)
-    rectangle, knee_margin = _limits(robot, obstacle, sequence)
-    stance = leg_posture(robot, -step.side, waist[every], feet.foot(-step.side)[every], knee_margin)
-    free = np.full(len(shifts), -np.inf)
-    if not stance.able().all():
-        return free
-    soles = np.concatenate([shift_back(robot, feet, step, shift).foot(step.side)[every] for shift in shifts])
-    swing = leg_posture(robot, step.side, np.tile(waist[every], (len(shifts), 1)), soles, knee_margin)
-    able = swing.able().reshape(len(shifts), -1).all(axis=1)
-    if able.any():
-        rows = np.repeat(able, len(stance.q))
-        reachable = LegPosture(*(part[rows] for part in swing))
-        distance = leg_separation(robot, step.side, reachable, rectangle)[0].reshape(able.sum(), -1).min(axis=1)
-        free[able] = np.minimum(distance, leg_separation(robot, -step.side, stance, rectangle)[0].min())
+    look, swing = slice(step.lift_off, step.touch_down + 1, every), slice(None, None, every)
+    limits = _limits(robot, obstacle, sequence)
+    heights, which = np.unique(raises, return_inverse=True)
+    waists, stance = _copies(waist[look], len(heights)), _copies(feet.foot(-step.side)[look], len(heights))
+    waists[..., 2] += np.outer(heights, _up(robot, step)[swing])
+    soles = _copies(feet.foot(step.side)[look], len(shifts))
+    soles[..., 0] -= np.outer(shifts, _back(robot, step)[swing])
+    free = _leg_clearances(robot, -step.side, waists, stance, *limits)[which]
+    able = free > -np.inf
+    free[able] = np.minimum(free[able], _leg_clearances(robot, step.side, waists[which[able]], soles[able], *limits))
+    return free
+
+
+def _copies(poses: np.ndarray, count: int) -> np.ndarray:
+    """As many copies (count, n, 7) of poses (n, 7)."""
+    return np.tile(poses, (count, 1, 1))
+
+
+def _leg_clearances(
+    robot: Robot, side: int, waists: np.ndarray, soles: np.ndarray, rectangle: np.ndarray, knee_margin: float
+) -> np.ndarray:
+    """Smallest separation (C,) [m] of one leg along C ways of waist and sole (C, n, 7); -inf beyond reach or limits."""
+    posture = leg_posture(robot, side, waists.reshape(-1, 7), soles.reshape(-1, 7), knee_margin)
+    able = posture.able().reshape(waists.shape[:2]).all(axis=1)
+    rows = np.repeat(able, waists.shape[1])
+    free = np.full(len(waists), -np.inf)
+    separations = leg_separation(robot, side, LegPosture(*(part[rows] for part in posture)), rectangle)[0]
+    free[able] = separations.reshape(-1, waists.shape[1]).min(axis=1)
     return free
 
 
@@ -215,29 +261,21 @@ def _adaptation(
     shifted = shift_back(robot, feet, step, shift) if shift > 0.0 else feet
     adapted = push_ankle(robot, obstacle, sequence, lifted, shifted) if push else shifted
     moved = np.linalg.norm(adapted.foot(step.side)[:, :3] - shifted.foot(step.side)[:, :3], axis=1).max()
-    clear = _is_clear(robot, obstacle, sequence, lifted, adapted)
+    check = _check(robot, obstacle, sequence, lifted, adapted)
     bump = waist_bump(robot, sequence, height)
     changed = np.abs(adapted.foot(step.side) - feet.foot(step.side)).max(axis=1) + bump > 1e-9
     when = sequence.time[changed]
     span = (float(when[0]), float(when[-1])) if changed.any() else (np.nan, np.nan)
-    return Adaptation(adapted, bump, shift, height, float(moved), *span, clear)
-
-
-def _is_clear(
-    robot: Robot, obstacle: Obstacle, sequence: StepSequence, waist: np.ndarray, feet: FeetTrajectories
-) -> bool:
-    """Whether the legs are free, within reach and limits along phase 3."""
-    step = sequence.step(LEG_2)
-    swing = slice(step.lift_off, step.touch_down + 1)
-    check = _check(robot, obstacle, sequence, waist[swing], feet.left[swing], feet.right[swing])
-    return bool(check.good().all())
+    return Adaptation(adapted, bump, shift, height, float(moved), *span, check)
 
 
 def _check(
-    robot: Robot, obstacle: Obstacle, sequence: StepSequence, waist: np.ndarray, left: np.ndarray, right: np.ndarray
+    robot: Robot, obstacle: Obstacle, sequence: StepSequence, waist: np.ndarray, feet: FeetTrajectories
 ) -> LegCheck:
-    """Legs against the obstacle with its margins and the knee's margin of the verdict."""
-    return check_legs(robot, waist, left, right, *_limits(robot, obstacle, sequence))
+    """Legs along phase 3 against the obstacle with its margins and the knee's margin of the verdict."""
+    step = sequence.step(LEG_2)
+    swing = slice(step.lift_off, step.touch_down + 1)
+    return check_legs(robot, waist[swing], feet.left[swing], feet.right[swing], *_limits(robot, obstacle, sequence))
 
 
 def _limits(robot: Robot, obstacle: Obstacle, sequence: StepSequence) -> tuple[np.ndarray, float]:

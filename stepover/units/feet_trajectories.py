@@ -8,6 +8,7 @@ linearly to zero. Times are shares of the single support; heights include the ma
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -118,10 +119,17 @@ def leg_1_heights(obstacle: Obstacle, shape: SteppingOver) -> list[tuple[float, 
 
 def _normal(robot: Robot, step: Step, share: np.ndarray) -> Swing:
     """A step on flat ground: up and down, and forward between the rests."""
-    rest = robot.stepping_over.rest
-    z = clamped_spline([(0.0, 0.0), (0.5, robot.walk.lift), (1.0, 0.0)], share)
-    x = clamped_spline([(rest, step.start[0]), (1.0 - rest, step.end[0])], share)
-    return Swing(x, np.full_like(share, step.start[1]), z, np.zeros_like(share))
+    up, ahead = _normal_shape(robot.stepping_over.rest, len(share))
+    x = step.start[0] + (step.end[0] - step.start[0]) * ahead
+    return Swing(x, np.full_like(share, step.start[1]), robot.walk.lift * up, np.zeros_like(share))
+
+
+@lru_cache(maxsize=16)
+def _normal_shape(rest: float, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Shares (count,) of a normal step's lift and length: the same for all of them, however long they are."""
+    share = np.linspace(0.0, 1.0, count)
+    up = clamped_spline([(0.0, 0.0), (0.5, 1.0), (1.0, 0.0)], share)
+    return up, clamped_spline([(rest, 0.0), (1.0 - rest, 1.0)], share)
 
 
 def _leg_1(
