@@ -120,15 +120,16 @@ def algorithm_1(robot: Robot, obstacle: Obstacle, key: KeyConfiguration, effort:
         feet, waist = adaptation.feet, raise_waist(robot, sequence, flat, adaptation.raised)
     assert adaptation is not None
     q = whole_body(robot, waist, feet, upper.q, sequence.time)
+    placements = body.placements(q)
     motion = Motion(
         time=sequence.time, q=q, joint_names=np.array(body.joint_names),
-        left_foot=feet.left, right_foot=feet.right, waist=waist, com=body.com(body.placements(q)),
+        left_foot=feet.left, right_foot=feet.right, waist=waist, com=body.com(placements),
         zmp_reference=sequence.zmp, zmp_first_stage=zmps[0], zmp=body.zmp(q, dt),
         support=sequence.support, phase=sequence.phase, footsteps=_footsteps(sequence),
         key_configuration=np.array([key.x_ads, key.x_hds, key.z_hds]),
         obstacle=obstacle_row(obstacle, sequence.front_face), robot=robot.name, format=FORMAT, version=__version__,
     )  # fmt: skip
-    require(robot, obstacle, motion)
+    require(robot, obstacle, motion, placements)
     return Plan(motion, key, sequence, ftg, first, upper, adaptation, effort, len(zmps), {})
 
 

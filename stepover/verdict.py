@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from stepover.errors import Infeasible
-from stepover.model.collision import clearance, self_clearance, separation
+from stepover.model.collision import clearance, least_separation, self_clearance
+from stepover.model.kinematics import Placements
 from stepover.model.obstacle import Obstacle
 from stepover.model.robot import Robot
 from stepover.model.support import zmp_margin
@@ -98,8 +99,14 @@ def require_speeds(robot: Robot, motion: Motion) -> None:
         raise Infeasible(f"{joint} moves at {ratio:.2f} of its speed limit at t = {when:.3f} s")
 
 
-def require(robot: Robot, obstacle: Obstacle, motion: Motion) -> None:
+def require(robot: Robot, obstacle: Obstacle, motion: Motion, placements: Placements | None = None) -> None:
     """Refuse a motion that breaks a limit.
+
+    Args:
+        robot: the robot.
+        obstacle: what the motion must leave free, with its margins.
+        motion: the motion.
+        placements: of its configurations, where they are at hand already.
 
     Raises:
         Infeasible: names the joint, link or ZMP, by how much and when.
@@ -114,15 +121,15 @@ def require(robot: Robot, obstacle: Obstacle, motion: Motion) -> None:
     margin = zmp_margin(robot, motion.zmp, motion.support, motion.left_foot, motion.right_foot)
     missing = margin[:, None] - robot.verdict.zmp_margin
     _refuse(motion, missing, ["the ZMP"], "mm", "short of its margin to the support polygon's edge")
-    placements = body.placements(motion.q)
+    placements = placements or body.placements(motion.q)
     look = np.arange(0, len(motion.time), robot.verdict.self_look_every)
-    distance, one, other, sample = self_clearance(robot.own_pairs, placements, look)
+    distance, one, other, sample = self_clearance(robot.own_pairs, placements, look, up_to=0.0)
     if distance <= 0.0:
         raise Infeasible(f"{one} and {other} meet, {-1e3 * distance:.1f} mm deep, at t = {motion.time[sample]:.3f} s")
     safe = obstacle.profile(float(motion.obstacle[0]), margins=True)
-    free = np.column_stack([separation(shape, placements, safe) for shape in robot.shapes])
-    links = [shape.link for shape in robot.shapes]
-    _refuse(motion, free, links, "mm", "inside the obstacle's safety margin")
+    free, which = least_separation(robot.shapes, placements, safe, up_to=0.0)
+    link = robot.shapes[which[free.argmin()]].link
+    _refuse(motion, free[:, None], [link], "mm", "inside the obstacle's safety margin")
 
 
 UNITS = {"mm": 1e3, "degrees": 180.0 / np.pi}

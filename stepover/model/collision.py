@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import NamedTuple
 
@@ -43,6 +44,12 @@ class Shape:
     edges: np.ndarray
     solid: coal.Convex
 
+    @cached_property
+    def sphere(self) -> tuple[np.ndarray, float]:
+        """Centre (3,) in the joint's frame and radius of a sphere around it [m]."""
+        centre = (self.vertices.min(axis=0) + self.vertices.max(axis=0)) / 2.0
+        return centre, float(np.linalg.norm(self.vertices - centre, axis=1).max())
+
 
 class Clearance(NamedTuple):
     """Smallest signed distance [m], the link that has it, and the sample at which."""
@@ -67,22 +74,25 @@ def shapes_of(body: Body) -> list[Shape]:
 
 def profile(shape: Shape, placements: Placements) -> np.ndarray:
     """Corners of a shape in the x-z plane: (N, V, 2) [m]."""
-    return _rows(shape, placements).transpose(2, 1, 0)
+    return _rows(shape.vertices, shape.joint, placements, slice(None)).transpose(2, 1, 0)
 
 
-def _rows(shape: Shape, placements: Placements) -> np.ndarray:
-    """The same with time as the last, contiguous axis: (2, V, N)."""
-    rows = [shape.vertices @ placements.rotations[:, shape.joint, k].T for k in (0, 2)]
-    return np.array(rows) + placements.positions[:, shape.joint, [0, 2]].T[:, None]
+def _rows(vertices: np.ndarray, joint: int, placements: Placements, samples: np.ndarray | slice) -> np.ndarray:
+    """The same of points (V, 3) with time as the last, contiguous axis: (2, V, n)."""
+    rows = [vertices @ placements.rotations[samples, joint, k].T for k in (0, 2)]
+    return np.array(rows) + placements.positions[samples, joint][:, [0, 2]].T[:, None]
 
 
-def separation(shape: Shape, placements: Placements, rectangle: np.ndarray) -> np.ndarray:
+def separation(
+    shape: Shape, placements: Placements, rectangle: np.ndarray, samples: np.ndarray | slice = slice(None)
+) -> np.ndarray:
     """Signed separation (N,) [m] of a shape from a rectangle x_min, x_max, z_min, z_max (4,) or (N, 4).
 
     Negative: the depth of the penetration; positive: a lower bound of the distance. The axes of the rectangle come
-    first; those of the shape are asked only where they leave less than NEAR.
+    first; those of the shape are asked only where they leave less than NEAR. With samples (n,), (n,) at these alone.
     """
-    corners = _rows(shape, placements)
+    corners = _rows(shape.vertices, shape.joint, placements, samples)
+    rectangle = rectangle if rectangle.ndim == 1 else rectangle[samples]
     low, high = rectangle[..., 0::2].T, rectangle[..., 1::2].T  # (2,) or (2, N)
     if rectangle.ndim == 1:
         low, high = low[:, None], high[:, None]
@@ -90,9 +100,33 @@ def separation(shape: Shape, placements: Placements, rectangle: np.ndarray) -> n
     near = np.flatnonzero(result < NEAR)
     if len(near):
         limits = np.broadcast_to(rectangle, (len(result), 4))[near].T
-        edges = np.array([shape.edges @ placements.rotations[near, shape.joint, k].T for k in (0, 2)])
+        when = near if isinstance(samples, slice) else samples[near]
+        edges = np.array([shape.edges @ placements.rotations[when, shape.joint, k].T for k in (0, 2)])
         result[near] = np.maximum(result[near], _along_edges(corners[..., near], edges, limits))
     return result
+
+
+def least_separation(
+    shapes: list[Shape], placements: Placements, rectangle: np.ndarray, up_to: float = np.inf
+) -> tuple[np.ndarray, np.ndarray]:
+    """Smallest separation (N,) [m] of some shapes, and the index (N,) of the one that has it; up_to where none is less.
+
+    A shape is looked at only where the sphere around it comes nearer than the shapes before it, the last link first,
+    as it is the foot that is nearest.
+    """
+    least, which = np.full(len(placements.positions), up_to), np.zeros(len(placements.positions), dtype=int)
+    low, high = rectangle[..., 0::2].T, rectangle[..., 1::2].T  # (2,) or (2, N)
+    if rectangle.ndim == 1:
+        low, high = low[:, None], high[:, None]
+    for k in reversed(range(len(shapes))):
+        centre, radius = shapes[k].sphere
+        middle = _rows(centre[None], shapes[k].joint, placements, slice(None))[:, 0]
+        near = np.flatnonzero(np.maximum(middle - high, low - middle).max(axis=0) - radius <= least)
+        if len(near):
+            here = separation(shapes[k], placements, rectangle, near)
+            nearer = here <= least[near]
+            least[near[nearer]], which[near[nearer]] = here[nearer], k
+    return least, which
 
 
 def _along_edges(corners: np.ndarray, edges: np.ndarray, rectangle: np.ndarray) -> np.ndarray:
@@ -114,11 +148,14 @@ def clearance(shapes: list[Shape], placements: Placements, rectangle: np.ndarray
     return Clearance(distance, shapes[which].link, sample)
 
 
-def _smallest(bounds: np.ndarray, exact: Callable[[int, int], float]) -> tuple[float, int, int]:
-    """Smallest exact value, its row and column, with as few calls as lower bounds (A, B) allow."""
+def _smallest(bounds: np.ndarray, exact: Callable[[int, int], float], up_to: float = np.inf) -> tuple[float, int, int]:
+    """Smallest exact value, its row and column, with as few calls as lower bounds (A, B) allow.
+
+    What is larger than up_to is not told apart: then one of those values.
+    """
     flat = bounds.ravel()
     best = exact(*divmod(int(flat.argmin()), bounds.shape[1])), int(flat.argmin())
-    rest = np.flatnonzero(flat <= best[0])  # seldom many: only these need sorting
+    rest = np.flatnonzero(flat <= min(best[0], up_to))  # seldom many: only these need sorting
     for index in rest[np.argsort(flat[rest])].tolist():
         if flat[index] > best[0]:
             break
@@ -138,33 +175,50 @@ def exact_distance(shape: Shape, placements: Placements, sample: int, rectangle:
 
 
 def self_clearance(
-    pairs: list[tuple[Shape, Shape]], placements: Placements, samples: np.ndarray
+    pairs: list[tuple[Shape, Shape]], placements: Placements, samples: np.ndarray, up_to: float = np.inf
 ) -> tuple[float, str, str, int]:
     """Smallest signed distance [m] between pairs of the robot's own shapes, their links, and the sample at which.
 
-    Broad phase by boxes along the root's axes, since the legs hang side by side from it; then coal.
+    Broad phase by boxes along the root's axes, since the legs hang side by side from it; where these meet, along the
+    shapes' own; then coal. Distances larger than up_to are not told apart: then one of them.
     """
     look = Placements(placements.rotations[samples], placements.positions[samples])
     shapes = list({id(shape): shape for pair in pairs for shape in pair}.values())
     row = {id(shape): k for k, shape in enumerate(shapes)}
     first, second = np.array([[row[id(shape)] for shape in pair] for pair in pairs]).T
-    lows, highs = (np.array(ends) for ends in zip(*(_box_in_root(shape, look) for shape in shapes), strict=True))
+    root = np.ascontiguousarray(look.rotations[:, 1].transpose(1, 2, 0))
+    boxes = [_extent(shape, look, slice(None), root) for shape in shapes]
+    lows, highs = (np.array(ends) for ends in zip(*boxes, strict=True))
     bounds = np.full((len(pairs), len(samples)), -np.inf)
     for axis in range(3):
         low, high = lows[:, axis], highs[:, axis]
         np.maximum(bounds, low[first] - high[second], out=bounds)
         np.maximum(bounds, low[second] - high[first], out=bounds)
-    distance, which, k = _smallest(bounds, lambda i, k: distance_between(*pairs[i], look, k))
+    for which in np.flatnonzero((bounds <= 0.0).any(axis=1)):
+        meet = np.flatnonzero(bounds[which] <= 0.0)
+        bounds[which, meet] = np.maximum(bounds[which, meet], _apart(*pairs[which], look, meet))
+    distance, which, k = _smallest(bounds, lambda i, k: distance_between(*pairs[i], look, k), up_to)
     return distance, pairs[which][0].link, pairs[which][1].link, int(samples[k])
 
 
-def _box_in_root(shape: Shape, placements: Placements) -> tuple[np.ndarray, np.ndarray]:
-    """Lowest and highest coordinates (3, n) of a shape in the root's frame."""
-    root = np.ascontiguousarray(np.swapaxes(placements.rotations[:, 1], 1, 2))
-    turn = root @ placements.rotations[:, shape.joint]
-    shift = np.einsum("nab,nb->na", root, placements.positions[:, shape.joint] - placements.positions[:, 1])
-    corners = shape.vertices @ turn.transpose(1, 2, 0) + shift.T[:, None]  # (3, V, n)
-    return corners.min(axis=1), corners.max(axis=1)
+def _apart(first: Shape, second: Shape, placements: Placements, samples: np.ndarray) -> np.ndarray:
+    """Lower bound (n,) of the distance between two shapes [m]: along the edges of both."""
+    bound = np.full(len(samples), -np.inf)
+    for shape in (first, second):
+        axes = (placements.rotations[samples, shape.joint] @ shape.edges.T).transpose(1, 2, 0)
+        (low, high), (other_low, other_high) = (_extent(s, placements, samples, axes) for s in (first, second))
+        bound = np.maximum(bound, np.maximum(low - other_high, other_low - high).max(axis=0))
+    return bound
+
+
+def _extent(
+    shape: Shape, placements: Placements, samples: np.ndarray | slice, axes: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Lowest and highest coordinates (E, n) [m] of a shape along unit axes in the world (3, E, n)."""
+    turns, place = placements.rotations[samples, shape.joint], placements.positions[samples, shape.joint]
+    corners = shape.vertices @ turns.transpose(1, 2, 0) + place.T[:, None]  # (3, V, n)
+    along = np.einsum("avn,aen->evn", corners, axes)
+    return along.min(axis=1), along.max(axis=1)
 
 
 def distance_between(first: Shape, second: Shape, placements: Placements, sample: int) -> float:

@@ -38,8 +38,8 @@ def turns(poses: np.ndarray) -> np.ndarray:
     here, there = poses[:-1, 3:].T, poses[1:, 3:].T
     vector = here[3] * there[:3] - there[3] * here[:3] - np.cross(here[:3], there[:3], axis=0)
     scalar, sine = (here * there).sum(axis=0), np.sqrt((vector**2).sum(axis=0))
-    half = np.arctan2(sine, np.abs(scalar))  # of the two ways round, the shorter one
-    factor = np.divide(2.0 * half, sine, out=np.full_like(sine, 2.0), where=sine > 0.0) * np.where(scalar < 0.0, -1.0, 1.0)
+    way = np.where(scalar < 0.0, -2.0, 2.0)  # of the two ways round, the shorter one
+    factor = np.divide(way * np.arctan2(sine, np.abs(scalar)), sine, out=way.copy(), where=sine > 0.0)
     return np.asarray((factor * vector).T)
 
 

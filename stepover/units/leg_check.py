@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepover.model.collision import Shape, separation
+from stepover.model.collision import Shape, least_separation
 from stepover.model.robot import Robot
 
 
@@ -104,5 +104,5 @@ def leg_separation(
     placements = robot.body.placements(posture.q, robot.leg(side).joints)
     shapes = leg_shapes(robot)
     own = [k for k, shape in enumerate(shapes) if robot.body.joint_names[shape.joint - 2] in robot.leg(side).joints]
-    distances = np.array([separation(shapes[k], placements, rectangle) for k in own])
-    return distances.min(axis=0), np.array(own)[distances.argmin(axis=0)]
+    distance, which = least_separation([shapes[k] for k in own], placements, rectangle)
+    return distance, np.array(own)[which]
