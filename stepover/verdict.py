@@ -7,10 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from stepover.errors import Infeasible
-from stepover.model.collision import clearance, least_separation, self_clearance
+from stepover.model.collision import clearance, least_separation
 from stepover.model.kinematics import Placements
 from stepover.model.obstacle import Obstacle
 from stepover.model.robot import Robot
+from stepover.model.self_collision import self_clearance
 from stepover.model.support import zmp_margin
 from stepover.motion import Motion
 from stepover.units.preview_control import GRAVITY

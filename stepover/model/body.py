@@ -110,7 +110,7 @@ class Body:
 
         Args:
             q: (N, nq) configurations.
-            joints: only these joints, which must be whole chains from the root; the others are left NaN.
+            joints: only these joints, which must be whole chains from the root; the others' positions are NaN.
         """
         wanted = range(2, self._model.njoints) if joints is None else sorted(self.index(joint) for joint in joints)
         chain = {index: self._tree[index] for index in wanted}

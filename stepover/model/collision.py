@@ -83,27 +83,36 @@ def _rows(vertices: np.ndarray, joint: int, placements: Placements, samples: np.
     return np.array(rows) + placements.positions[samples, joint][:, [0, 2]].T[:, None]
 
 
-def separation(
-    shape: Shape, placements: Placements, rectangle: np.ndarray, samples: np.ndarray | slice = slice(None)
-) -> np.ndarray:
+def separation(shape: Shape, placements: Placements, rectangle: np.ndarray) -> np.ndarray:
     """Signed separation (N,) [m] of a shape from a rectangle x_min, x_max, z_min, z_max (4,) or (N, 4).
 
     Negative: the depth of the penetration; positive: a lower bound of the distance. The axes of the rectangle come
-    first; those of the shape are asked only where they leave less than NEAR. With samples (n,), (n,) at these alone.
+    first; those of the shape are asked only where they leave less than NEAR.
     """
+    return _separation(shape, placements, rectangle, slice(None), NEAR)
+
+
+def _separation(
+    shape: Shape, placements: Placements, rectangle: np.ndarray, samples: np.ndarray | slice, enough: float
+) -> np.ndarray:
+    """The same (n,) at some samples (n,) alone, and asked for no better bound where the first leaves enough [m]."""
     corners = _rows(shape.vertices, shape.joint, placements, samples)
     rectangle = rectangle if rectangle.ndim == 1 else rectangle[samples]
-    low, high = rectangle[..., 0::2].T, rectangle[..., 1::2].T  # (2,) or (2, N)
-    if rectangle.ndim == 1:
-        low, high = low[:, None], high[:, None]
+    low, high = _ends(rectangle)
     result = np.maximum(corners.min(axis=1) - high, low - corners.max(axis=1)).max(axis=0)
-    near = np.flatnonzero(result < NEAR)
+    near = np.flatnonzero(result < enough)
     if len(near):
         limits = np.broadcast_to(rectangle, (len(result), 4))[near].T
-        when = near if isinstance(samples, slice) else samples[near]
+        when = np.arange(len(placements.positions))[samples][near]
         edges = np.array([shape.edges @ placements.rotations[when, shape.joint, k].T for k in (0, 2)])
         result[near] = np.maximum(result[near], _along_edges(corners[..., near], edges, limits))
     return result
+
+
+def _ends(rectangle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Lower and upper ends (2, 1) or (2, N), x and z, of a rectangle (4,) or (N, 4)."""
+    low, high = np.atleast_2d(rectangle).T.reshape(2, 2, -1).swapaxes(0, 1)
+    return low, high
 
 
 def least_separation(
@@ -115,15 +124,13 @@ def least_separation(
     as it is the foot that is nearest.
     """
     least, which = np.full(len(placements.positions), up_to), np.zeros(len(placements.positions), dtype=int)
-    low, high = rectangle[..., 0::2].T, rectangle[..., 1::2].T  # (2,) or (2, N)
-    if rectangle.ndim == 1:
-        low, high = low[:, None], high[:, None]
+    low, high = _ends(rectangle)
     for k in reversed(range(len(shapes))):
         centre, radius = shapes[k].sphere
         middle = _rows(centre[None], shapes[k].joint, placements, slice(None))[:, 0]
         near = np.flatnonzero(np.maximum(middle - high, low - middle).max(axis=0) - radius <= least)
         if len(near):
-            here = separation(shapes[k], placements, rectangle, near)
+            here = _separation(shapes[k], placements, rectangle, near, min(NEAR, up_to))
             nearer = here <= least[near]
             least[near[nearer]], which[near[nearer]] = here[nearer], k
     return least, which
@@ -144,11 +151,11 @@ def _along_edges(corners: np.ndarray, edges: np.ndarray, rectangle: np.ndarray) 
 def clearance(shapes: list[Shape], placements: Placements, rectangle: np.ndarray) -> Clearance:
     """Smallest distance of all links from the obstacle over a motion: broad phase by profiles, then coal."""
     bounds = np.array([separation(shape, placements, rectangle) for shape in shapes])
-    distance, which, sample = _smallest(bounds, lambda i, k: exact_distance(shapes[i], placements, k, rectangle))
+    distance, which, sample = smallest(bounds, lambda i, k: exact_distance(shapes[i], placements, k, rectangle))
     return Clearance(distance, shapes[which].link, sample)
 
 
-def _smallest(bounds: np.ndarray, exact: Callable[[int, int], float], up_to: float = np.inf) -> tuple[float, int, int]:
+def smallest(bounds: np.ndarray, exact: Callable[[int, int], float], up_to: float = np.inf) -> tuple[float, int, int]:
     """Smallest exact value, its row and column, with as few calls as lower bounds (A, B) allow.
 
     What is larger than up_to is not told apart: then one of those values.
@@ -172,53 +179,6 @@ def exact_distance(shape: Shape, placements: Placements, sample: int, rectangle:
         placements.rotations[sample, shape.joint].copy(), placements.positions[sample, shape.joint].copy()
     )
     return float(coal.distance(shape.solid, where, beam, place, coal.DistanceRequest(), coal.DistanceResult()))
-
-
-def self_clearance(
-    pairs: list[tuple[Shape, Shape]], placements: Placements, samples: np.ndarray, up_to: float = np.inf
-) -> tuple[float, str, str, int]:
-    """Smallest signed distance [m] between pairs of the robot's own shapes, their links, and the sample at which.
-
-    Broad phase by boxes along the root's axes, since the legs hang side by side from it; where these meet, along the
-    shapes' own; then coal. Distances larger than up_to are not told apart: then one of them.
-    """
-    look = Placements(placements.rotations[samples], placements.positions[samples])
-    shapes = list({id(shape): shape for pair in pairs for shape in pair}.values())
-    row = {id(shape): k for k, shape in enumerate(shapes)}
-    first, second = np.array([[row[id(shape)] for shape in pair] for pair in pairs]).T
-    root = np.ascontiguousarray(look.rotations[:, 1].transpose(1, 2, 0))
-    boxes = [_extent(shape, look, slice(None), root) for shape in shapes]
-    lows, highs = (np.array(ends) for ends in zip(*boxes, strict=True))
-    bounds = np.full((len(pairs), len(samples)), -np.inf)
-    for axis in range(3):
-        low, high = lows[:, axis], highs[:, axis]
-        np.maximum(bounds, low[first] - high[second], out=bounds)
-        np.maximum(bounds, low[second] - high[first], out=bounds)
-    for which in np.flatnonzero((bounds <= 0.0).any(axis=1)):
-        meet = np.flatnonzero(bounds[which] <= 0.0)
-        bounds[which, meet] = np.maximum(bounds[which, meet], _apart(*pairs[which], look, meet))
-    distance, which, k = _smallest(bounds, lambda i, k: distance_between(*pairs[i], look, k), up_to)
-    return distance, pairs[which][0].link, pairs[which][1].link, int(samples[k])
-
-
-def _apart(first: Shape, second: Shape, placements: Placements, samples: np.ndarray) -> np.ndarray:
-    """Lower bound (n,) of the distance between two shapes [m]: along the edges of both."""
-    bound = np.full(len(samples), -np.inf)
-    for shape in (first, second):
-        axes = (placements.rotations[samples, shape.joint] @ shape.edges.T).transpose(1, 2, 0)
-        (low, high), (other_low, other_high) = (_extent(s, placements, samples, axes) for s in (first, second))
-        bound = np.maximum(bound, np.maximum(low - other_high, other_low - high).max(axis=0))
-    return bound
-
-
-def _extent(
-    shape: Shape, placements: Placements, samples: np.ndarray | slice, axes: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Lowest and highest coordinates (E, n) [m] of a shape along unit axes in the world (3, E, n)."""
-    turns, place = placements.rotations[samples, shape.joint], placements.positions[samples, shape.joint]
-    corners = shape.vertices @ turns.transpose(1, 2, 0) + place.T[:, None]  # (3, V, n)
-    along = np.einsum("avn,aen->evn", corners, axes)
-    return along.min(axis=1), along.max(axis=1)
 
 
 def distance_between(first: Shape, second: Shape, placements: Placements, sample: int) -> float:

@@ -30,7 +30,7 @@ class Joint(NamedTuple):
 def place_joints(
     joints: dict[int, Joint], count: int, root: tuple[np.ndarray, np.ndarray], angles: np.ndarray
 ) -> Placements:
-    """Place joints from the root outwards; those that are not asked for are left NaN.
+    """Place joints from the root outwards; the positions of those that are not asked for are NaN.
 
     Args:
         joints: the joints to place by their index in Placements, parents before children.
@@ -41,7 +41,7 @@ def place_joints(
     rotations = np.empty((3, count, 3, len(angles)))  # world's row, joint, joint's column, time
     positions = np.empty((3, count, len(angles)))
     for index in set(range(2, count)) - set(joints):
-        rotations[:, index], positions[:, index] = np.nan, np.nan
+        positions[:, index] = np.nan
     rotations[:, 0], positions[:, 0] = np.eye(3)[..., None], 0.0
     rotations[:, 1], positions[:, 1] = np.moveaxis(root[0], 0, -1), root[1].T
     columns = [index - 2 for index in joints]

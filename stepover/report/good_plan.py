@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from stepover.model.collision import self_clearance
 from stepover.model.robot import Robot
+from stepover.model.self_collision import self_clearance
 from stepover.planned import Plan
 from stepover.report.key_posture import knees_from_straight
 from stepover.report.stages import after_adaptation, postures

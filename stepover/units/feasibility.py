@@ -89,7 +89,7 @@ def key_configurations(robot: Robot, obstacle: Obstacle, leading: int = -1) -> l
 def key_postures(
     robot: Robot, obstacle: Obstacle, x_ads: np.ndarray, x_hds: np.ndarray, z_hds: np.ndarray, yaw: float
 ) -> LegCheck:
-    """Judge key configurations, (N,) each of x_ads, x_hds, z_hds [m], at one yaw [rad].
+    """Judge key configurations, (N,) each of x_ads, x_hds, z_hds [m], at one yaw [rad]: separations up to spare.
 
     The rear ankle stands at x = 0. A positive yaw brings the right hip ahead: the right leg is the front one then.
     """
@@ -103,7 +103,7 @@ def key_postures(
     ahead = np.outer(front_face(robot, obstacle, x_ads), [1.0, 1.0, 0.0, 0.0])
     rectangles = obstacle.profile(0.0, margins=True) + ahead
     knee_margin = np.radians(robot.feasibility.knee_margin_deg)
-    return check_legs(robot, waist, soles[1], soles[-1], rectangles, knee_margin)
+    return check_legs(robot, waist, soles[1], soles[-1], rectangles, knee_margin, up_to=robot.feasibility.spare)
 
 
 def front_face(robot: Robot, obstacle: Obstacle, x_ads: np.ndarray) -> np.ndarray:

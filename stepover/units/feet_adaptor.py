@@ -35,7 +35,7 @@ class Adaptation:
         raised: method (2), how far the waist rose [m].
         pushed: method (3), largest displacement of the ankle [m].
         start, end: first and last time at which anything differs [s], NaN if nothing does.
-        check: what the legs come to along phase 3.
+        check: what the legs come to along phase 3, separations up to 0.
     """
 
     feet: FeetTrajectories
@@ -79,8 +79,8 @@ class Adaptation:
 
 METHODS = (1, 2, 3)
 """The methods of Sec. III-E, for those who want to switch some off."""
-FIRST_LOOK = 4
-"""Of the samples that the search looks at, every so many tell for most shifts and raises that they will not do."""
+CLOSER = (16, 4, 1)
+"""Of the samples that the search looks at, every so many; few of them rule most ways out."""
 
 
 def adapt_feet(
@@ -108,18 +108,17 @@ def adapt_feet(
     shifts = np.arange(0.0, adaptor.shift_max + 1e-9, adaptor.shift_step) if 1 in methods else np.zeros(1)
     raises = np.arange(0.0, adaptor.raise_max + 1e-9, adaptor.raise_step) if 2 in methods else np.zeros(1)
 
-    def look(raises: np.ndarray, shifts: np.ndarray, every: int) -> np.ndarray:
-        return clearances(robot, obstacle, sequence, waist, feet, raises, shifts, every * adaptor.look_every)
-
-    bounds = look(np.repeat(raises, len(shifts)), np.tile(shifts, len(raises)), FIRST_LOOK).reshape(len(raises), -1)
+    ways = np.repeat(raises, len(shifts)), np.tile(shifts, len(raises))
+    free = np.full(len(ways[0]), np.inf)
+    for every in CLOSER:
+        left = free > -np.inf
+        pairs = (way[left] for way in ways)
+        free[left] = clearances(robot, obstacle, sequence, waist, feet, *pairs, every * adaptor.look_every)
     best = (-np.inf, 0.0, 0.0)
-    for height, bound in zip(raises, bounds, strict=True):  # (1), then (2) and (1) again
-        free, may_do = bound.copy(), (bound > -np.inf) & (bound >= min(best[0], adaptor.spare))
-        free[~may_do] = -np.inf
-        free[may_do] = look(np.full(may_do.sum(), height), shifts[may_do], 1)
-        enough = free >= adaptor.spare
-        first = int(np.argmax(enough) if enough.any() else np.argmax(free))
-        best = max(best, (float(free[first]), float(shifts[first]), float(height)))
+    for height, by in zip(raises, free.reshape(len(raises), -1), strict=True):  # (1), then (2) and (1) again
+        enough = by >= adaptor.spare
+        first = int(np.argmax(enough) if enough.any() else np.argmax(by))
+        best = max(best, (float(by[first]), float(shifts[first]), float(height)))
         if enough.any():
             break
     free_by, shift, height = best
@@ -211,7 +210,7 @@ def clearances(
 ) -> np.ndarray:
     """Smallest separation (C,) [m] of the legs in phase 3 for C pairs of a raise and a shift, at every so many samples.
 
-    It is -inf beyond reach or limits.
+    Up to the spare that is asked for; -inf beyond reach or limits.
     """
     step = sequence.step(LEG_2)
     look, swing = slice(step.lift_off, step.touch_down + 1, every), slice(None, None, every)
@@ -235,12 +234,14 @@ def _copies(poses: np.ndarray, count: int) -> np.ndarray:
 def _leg_clearances(
     robot: Robot, side: int, waists: np.ndarray, soles: np.ndarray, rectangle: np.ndarray, knee_margin: float
 ) -> np.ndarray:
-    """Smallest separation (C,) [m] of one leg along C ways of waist and sole (C, n, 7); -inf beyond reach or limits."""
+    """The same (C,) of one leg along C ways of waist and sole (C, n, 7)."""
     posture = leg_posture(robot, side, waists.reshape(-1, 7), soles.reshape(-1, 7), knee_margin)
     able = posture.able().reshape(waists.shape[:2]).all(axis=1)
     rows = np.repeat(able, waists.shape[1])
     free = np.full(len(waists), -np.inf)
-    separations = leg_separation(robot, side, LegPosture(*(part[rows] for part in posture)), rectangle)[0]
+    separations = leg_separation(
+        robot, side, LegPosture(*(part[rows] for part in posture)), rectangle, robot.adaptor.spare
+    )[0]
     free[able] = separations.reshape(-1, waists.shape[1]).min(axis=1)
     return free
 
@@ -275,7 +276,8 @@ def _check(
     """Legs along phase 3 against the obstacle with its margins and the knee's margin of the verdict."""
     step = sequence.step(LEG_2)
     swing = slice(step.lift_off, step.touch_down + 1)
-    return check_legs(robot, waist[swing], feet.left[swing], feet.right[swing], *_limits(robot, obstacle, sequence))
+    soles = feet.left[swing], feet.right[swing]
+    return check_legs(robot, waist[swing], *soles, *_limits(robot, obstacle, sequence), up_to=0.0)
 
 
 def _limits(robot: Robot, obstacle: Obstacle, sequence: StepSequence) -> tuple[np.ndarray, float]:

@@ -46,6 +46,7 @@ def check_legs(
     right: np.ndarray,
     rectangle: np.ndarray,
     knee_margin: float,
+    up_to: float = np.inf,
 ) -> LegCheck:
     """Judge the legs between a waist and two soles.
 
@@ -56,11 +57,13 @@ def check_legs(
         right: (N, 7) sole poses.
         rectangle: x_min, x_max, z_min, z_max (4,) or (N, 4) that must stay free [m].
         knee_margin: how far knees must stay from straight [rad].
+        up_to: separations larger than that are not told apart [m].
     """
     soles = ((1, left), (-1, right))
     postures = [leg_posture(robot, side, waist, sole, knee_margin) for side, sole in soles]
     nearest = [
-        leg_separation(robot, side, posture, rectangle) for (side, _), posture in zip(soles, postures, strict=True)
+        leg_separation(robot, side, posture, rectangle, up_to)
+        for (side, _), posture in zip(soles, postures, strict=True)
     ]
     first, second = (distances for distances, _ in nearest)
     return LegCheck(
@@ -98,11 +101,11 @@ def leg_posture(robot: Robot, side: int, waist: np.ndarray, sole: np.ndarray, kn
 
 
 def leg_separation(
-    robot: Robot, side: int, posture: LegPosture, rectangle: np.ndarray
+    robot: Robot, side: int, posture: LegPosture, rectangle: np.ndarray, up_to: float = np.inf
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Smallest separation (N,) [m] of one leg from a rectangle, and the index (N,) in leg_shapes that has it."""
+    """Smallest separation (N,) [m] of one leg from a rectangle, up to a largest one; its index (N,) in leg_shapes."""
     placements = robot.body.placements(posture.q, robot.leg(side).joints)
     shapes = leg_shapes(robot)
     own = [k for k, shape in enumerate(shapes) if robot.body.joint_names[shape.joint - 2] in robot.leg(side).joints]
-    distance, which = least_separation([shapes[k] for k in own], placements, rectangle)
+    distance, which = least_separation([shapes[k] for k in own], placements, rectangle, up_to)
     return distance, np.array(own)[which]

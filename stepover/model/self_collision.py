@@ -1,0 +1,69 @@
+"""Distances between the robot's own links: boxes for most, separating axes for some, coal for what is left."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stepover.model.collision import Shape, distance_between, smallest
+from stepover.model.kinematics import Placements
+
+
+def self_clearance(
+    pairs: list[tuple[Shape, Shape]], placements: Placements, samples: np.ndarray, up_to: float = np.inf
+) -> tuple[float, str, str, int]:
+    """Smallest signed distance [m] between pairs of the robot's own shapes, their links, and the sample at which.
+
+    Args:
+        pairs: which shapes may not meet.
+        placements: of all joints.
+        samples: (n,) where to look.
+        up_to: distances larger than that are not told apart [m]; then one of them comes back.
+    """
+    look = Placements(placements.rotations[samples], placements.positions[samples])
+    bounds = _lower_bounds(pairs, look, up_to)
+    distance, which, k = smallest(bounds, lambda i, k: distance_between(*pairs[i], look, k), up_to)
+    return distance, pairs[which][0].link, pairs[which][1].link, int(samples[k])
+
+
+def _lower_bounds(pairs: list[tuple[Shape, Shape]], look: Placements, up_to: float) -> np.ndarray:
+    """Lower bounds (pairs, n) of the distances [m].
+
+    Boxes along the root's axes first, since the legs hang side by side from it: most pairs are apart by those that hold
+    a shape throughout. Where boxes meet, the directions of the shapes' own edges.
+    """
+    shapes = list({id(shape): shape for pair in pairs for shape in pair}.values())
+    row = {id(shape): k for k, shape in enumerate(shapes)}
+    first, second = np.array([[row[id(shape)] for shape in pair] for pair in pairs]).T
+    root, every = np.ascontiguousarray(look.rotations[:, 1].transpose(1, 2, 0)), slice(None)
+    boxes = np.array([_extent(shape, look, every, root) for shape in shapes])  # (shapes, low and high, axes, n)
+    whole = np.array([boxes[:, 0].min(axis=-1), boxes[:, 1].max(axis=-1)]).swapaxes(1, 2)
+    bounds = np.tile(_gap(whole[..., first], whole[..., second])[:, None], (1, len(look.positions)))
+    for k in np.flatnonzero(bounds[:, 0] <= up_to):
+        bounds[k] = _gap(boxes[first[k]], boxes[second[k]])
+        meet = np.flatnonzero(bounds[k] <= min(up_to, 0.0))
+        if len(meet):
+            bounds[k, meet] = np.maximum(bounds[k, meet], _apart(*pairs[k], look, meet))
+    return bounds
+
+
+def _apart(first: Shape, second: Shape, look: Placements, samples: np.ndarray) -> np.ndarray:
+    """Lower bound (n,) of the distance between two shapes [m], along the edges of both."""
+    bounds = []
+    for shape in (first, second):
+        axes = np.ascontiguousarray((look.rotations[samples, shape.joint] @ shape.edges.T).transpose(1, 2, 0))
+        bounds.append(_gap(*(_extent(each, look, samples, axes) for each in (first, second))))
+    return np.maximum(*bounds)
+
+
+def _gap(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """Largest gap (...) along any axis between two extents: low and high, axes, ..."""
+    return np.maximum(one[0] - other[1], other[0] - one[1]).max(axis=0)
+
+
+def _extent(shape: Shape, look: Placements, samples: np.ndarray | slice, axes: np.ndarray) -> np.ndarray:
+    """Lowest and highest coordinates (2, E, n) [m] of a shape along unit axes in the world (3, E, n)."""
+    own = np.ascontiguousarray(look.rotations[samples, shape.joint].transpose(1, 2, 0))
+    turns = np.einsum("aen,abn->ebn", axes, own)
+    shift = np.einsum("aen,an->en", axes, look.positions[samples, shape.joint].T)
+    along = shape.vertices @ turns + shift[:, None]  # (E, V, n)
+    return np.array([along.min(axis=1), along.max(axis=1)])
