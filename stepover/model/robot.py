@@ -179,7 +179,12 @@ class Robot:
 
     def rest_zmp(self) -> np.ndarray:
         """Where the ZMP rests in half-sitting (2,): under the CoM, from the midpoint of the ankles [m]."""
-        return self.body.com(self.body.placements(self.half_sitting()[None]))[0, :2]
+        return self._rest_zmp.copy()
+
+    @cached_property
+    def _rest_zmp(self) -> np.ndarray:
+        """The same, computed once."""
+        return self.body.com(self.body.placements(self._half_sitting[None]))[0, :2]
 
     def contact_patch(self, side: int) -> np.ndarray:
         """Corners (4, 2) [m] of the flat contact patch in the sole frame, counter-clockwise."""

@@ -24,20 +24,17 @@ def zmp_margin(
         left_foot: (N, 7) sole poses.
         right_foot: (N, 7) sole poses.
     """
-    changes = np.flatnonzero(np.diff(support)) + 1
+    firsts = np.flatnonzero(np.diff(support, prepend=2))
+    patches = {side: corners_on_floor(robot, side, foot[firsts]) for side, foot in ((1, left_foot), (-1, right_foot))}
     margin = np.empty(len(zmp))
-    for first, last in zip([0, *changes], [*changes, len(zmp)], strict=True):
-        corners = [
-            corners_on_floor(robot, side, foot[first])
-            for side, foot in ((1, left_foot), (-1, right_foot))
-            if support[first] in (0, side)
-        ]
+    for k, (first, last) in enumerate(zip(firsts, [*firsts[1:], len(zmp)], strict=True)):
+        corners = [patch[k] for side, patch in patches.items() if support[first] in (0, side)]
         edges = ConvexHull(np.vstack(corners)).equations
         margin[first:last] = -(zmp[first:last] @ edges[:, :2].T + edges[:, 2]).max(axis=1)
     return margin
 
 
 def corners_on_floor(robot: Robot, side: int, sole: np.ndarray) -> np.ndarray:
-    """Corners (4, 2) [m] of a contact patch on the floor, for a sole pose (7,)."""
-    turn = pose.rotation(sole[None])[0, :2, :2]
-    return np.asarray(robot.contact_patch(side) @ turn.T + sole[:2])
+    """Corners (..., 4, 2) [m] of a contact patch on the floor, for sole poses (..., 7)."""
+    turns = pose.rotation(sole.reshape(-1, 7))[:, :2, :2].reshape(*sole.shape[:-1], 2, 2)
+    return np.asarray(robot.contact_patch(side) @ np.swapaxes(turns, -1, -2) + sole[..., None, :2])

@@ -107,13 +107,11 @@ def adapt_feet(
         return Adaptation(feet, np.zeros(len(waist)), 0.0, 0.0, 0.0, np.nan, np.nan, check)
     shifts = np.arange(0.0, adaptor.shift_max + 1e-9, adaptor.shift_step) if 1 in methods else np.zeros(1)
     raises = np.arange(0.0, adaptor.raise_max + 1e-9, adaptor.raise_step) if 2 in methods else np.zeros(1)
-
-    ways = np.repeat(raises, len(shifts)), np.tile(shifts, len(raises))
-    free = np.full(len(ways[0]), np.inf)
+    ways = np.array([(height, shift) for height in raises for shift in shifts])
+    free = np.full(len(ways), np.inf)
     for every in CLOSER:
         left = free > -np.inf
-        pairs = (way[left] for way in ways)
-        free[left] = clearances(robot, obstacle, sequence, waist, feet, *pairs, every * adaptor.look_every)
+        free[left] = clearances(robot, obstacle, sequence, waist, feet, ways[left], every * adaptor.look_every)
     best = (-np.inf, 0.0, 0.0)
     for height, by in zip(raises, free.reshape(len(raises), -1), strict=True):  # (1), then (2) and (1) again
         enough = by >= adaptor.spare
@@ -204,22 +202,21 @@ def clearances(
     sequence: StepSequence,
     waist: np.ndarray,
     feet: FeetTrajectories,
-    raises: np.ndarray,
-    shifts: np.ndarray,
+    ways: np.ndarray,
     every: int,
 ) -> np.ndarray:
-    """Smallest separation (C,) [m] of the legs in phase 3 for C pairs of a raise and a shift, at every so many samples.
+    """Smallest separation (C,) [m] of the legs in phase 3 for ways (C, 2), raise and shift, at every so many samples.
 
     Up to the spare that is asked for; -inf beyond reach or limits.
     """
     step = sequence.step(LEG_2)
     look, swing = slice(step.lift_off, step.touch_down + 1, every), slice(None, None, every)
     limits = _limits(robot, obstacle, sequence)
-    heights, which = np.unique(raises, return_inverse=True)
+    heights, which = np.unique(ways[:, 0], return_inverse=True)
     waists, stance = _copies(waist[look], len(heights)), _copies(feet.foot(-step.side)[look], len(heights))
     waists[..., 2] += np.outer(heights, _up(robot, step)[swing])
-    soles = _copies(feet.foot(step.side)[look], len(shifts))
-    soles[..., 0] -= np.outer(shifts, _back(robot, step)[swing])
+    soles = _copies(feet.foot(step.side)[look], len(ways))
+    soles[..., 0] -= np.outer(ways[:, 1], _back(robot, step)[swing])
     free = _leg_clearances(robot, -step.side, waists, stance, *limits)[which]
     able = free > -np.inf
     free[able] = np.minimum(free[able], _leg_clearances(robot, step.side, waists[which[able]], soles[able], *limits))

@@ -6,7 +6,7 @@ stands beside it. In both the command is the jerk of the CoM (the printed text s
 already holds it: see the errata in ARCHITECTURE.md).
 
 Over a whole motion either one is a linear recursion of the state, driven by the reference: solved at once as a
-banded linear system.
+banded triangular system.
 """
 
 from __future__ import annotations
@@ -16,7 +16,8 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import solve_banded, solve_discrete_are
+from scipy.linalg import solve_discrete_are
+from scipy.linalg.lapack import dtbtrs
 
 from stepover.model.parameters import Preview
 
@@ -114,12 +115,12 @@ def track(gains: Gains, reference: np.ndarray, preview: Preview, dt: float) -> C
 
 
 def _recursion(matrix: np.ndarray, forcing: np.ndarray) -> np.ndarray:
-    """Solve s_k+1 = M s_k + f_k from s_0 = 0, for f (N, n, axes): s_1 ... s_N, as one banded system."""
+    """Solve s_k+1 = M s_k + f_k from s_0 = 0, for f (N, n, axes): s_1 ... s_N, as one banded triangular system."""
     count, size, axes = forcing.shape
     bands = np.zeros((2 * size, count, size))
     bands[0] = 1.0
     for row in range(size):
         for column in range(size):
             bands[size + row - column, :-1, column] = -matrix[row, column]
-    solution = solve_banded((2 * size - 1, 0), bands.reshape(2 * size, -1), forcing.reshape(-1, axes))
+    solution, _ = dtbtrs(bands.reshape(2 * size, -1), forcing.reshape(-1, axes), uplo="L", diag="U")
     return np.asarray(solution).reshape(count, size, axes)
