@@ -143,7 +143,7 @@ class Body:
         q = np.delete(q, 7 + np.flatnonzero(still), axis=1)
         torques = _sweep(pool, q, *self._derivatives(q, dt))()
         base = pose.rotation(q[:, :7])
-        force, moment = (np.einsum("nab,bn->na", base, torques[rows]) for rows in (slice(0, 3), slice(3, 6)))
+        force, moment = np.moveaxis(base @ torques[:6].reshape(2, 3, -1).T, 2, 0)
         return np.column_stack([force, moment + np.cross(q[:, :3], force)])
 
     def dynamics_sweep(self, q: np.ndarray, dt: float) -> Callable[[], np.ndarray]:

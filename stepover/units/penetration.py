@@ -105,6 +105,9 @@ def horizontal_depth(corners: np.ndarray, rectangle: np.ndarray, spare: float) -
     """
     x_min, x_max, _, top = rectangle
     top = top + spare
+    (low_x, low_z), (high_x, _) = corners.min(axis=1).T, corners.max(axis=1).T
+    near = np.flatnonzero((low_z <= top) & (high_x > x_min - spare) & (low_x < x_max + spare))
+    result, points, corners = np.zeros(len(corners)), np.zeros((len(corners), 2)), corners[near]
     first, second = np.triu_indices(corners.shape[1], 1)
     a, b = corners[:, first], corners[:, second]
     rise = b[..., 1] - a[..., 1]
@@ -113,17 +116,16 @@ def horizontal_depth(corners: np.ndarray, rectangle: np.ndarray, spare: float) -
     cut = a[..., 0] + share * (b[..., 0] - a[..., 0])  # where the profile passes the top's height
     x = np.concatenate([np.where(corners[..., 1] <= top, corners[..., 0], np.nan), np.where(crossing, cut, np.nan)], 1)
     z = np.concatenate([corners[..., 1], np.full_like(cut, top)], 1)
-    below = ~np.isnan(x).all(axis=1)
     foremost = np.where(np.isnan(x), -np.inf, x)
     rearmost = np.where(np.isnan(x), np.inf, x)
     back, ahead = foremost.max(axis=1) - x_min + spare, x_max - rearmost.min(axis=1) + spare
-    inside = below & (back > 0.0) & (ahead > 0.0)
+    inside = (back > 0.0) & (ahead > 0.0)
     backward = back <= ahead
-    way = np.where(inside, np.where(backward, -back, ahead), 0.0)
+    result[near] = np.where(inside, np.where(backward, -back, ahead), 0.0)
     rows = np.arange(len(corners))
     deepest = np.where(backward, foremost.argmax(axis=1), rearmost.argmin(axis=1))
-    point = np.column_stack([np.where(inside, x[rows, deepest], 0.0), z[rows, deepest]])
-    return way, point
+    points[near] = np.column_stack([np.where(inside, x[rows, deepest], 0.0), z[rows, deepest]])
+    return result, points
 
 
 def _world_y(shape: Shape, rotations: np.ndarray, positions: np.ndarray) -> np.ndarray:

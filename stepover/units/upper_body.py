@@ -57,19 +57,18 @@ def upper_body(robot: Robot, sequence: StepSequence, feet: FeetTrajectories, fir
         arms: "auto" swings them back as far as the lead knee needs, "on" as far as robot.toml allows, "off" not.
     """
     none = np.zeros_like(sequence.zmp)
-    before = _knee_spare(robot, sequence, feet, first.waist)
-    still = with_arms(robot, sequence, first.yaw, 0.0)
+    before = float(_knee_spare(robot, sequence, feet, first.waist, none[None])[0])
     if arms == "off" or (arms == "auto" and before >= 0.0):
-        return UpperBody(still, none, none, 0.0, before, before)
-    largest = np.radians(robot.upper_body.arm_swing_max_deg)
+        return UpperBody(with_arms(robot, sequence, first.yaw, 0.0), none, none, 0.0, before, before)
     change, answer = arm_response(robot, _swing_times(robot, sequence), len(sequence.time))
     count = robot.upper_body.arm_swing_sizes
-    for share in np.arange(1, count + 1) / count if arms == "auto" else [1.0]:  # nearly linear in the angle
-        after = _knee_spare(robot, sequence, feet, moved(first.waist, share * answer))
-        if after >= 0.0:
-            break
-    q = with_arms(robot, sequence, first.yaw, share * largest)
-    return UpperBody(q, share * answer, share * change, float(share * largest), before, after)
+    shares = np.arange(1, count + 1) / count if arms == "auto" else np.ones(1)  # nearly linear in the angle
+    spare = _knee_spare(robot, sequence, feet, first.waist, shares[:, None, None] * answer)
+    enough = int(np.argmax(spare >= 0.0)) if (spare >= 0.0).any() else -1
+    share, after = shares[enough], float(spare[enough])
+    swing = float(share * np.radians(robot.upper_body.arm_swing_max_deg))
+    q = with_arms(robot, sequence, first.yaw, swing)
+    return UpperBody(q, share * answer, share * change, swing, before, after)
 
 
 def with_arms(robot: Robot, sequence: StepSequence, waist_yaw: np.ndarray, swing: float) -> np.ndarray:
@@ -124,11 +123,18 @@ def _profile(times: tuple[float, ...], at: np.ndarray) -> np.ndarray:
     return np.asarray(CubicHermiteSpline(times, [0.0, 1.0, 1.0, 0.0], np.zeros(4))(np.clip(at, times[0], times[-1])))
 
 
-def _knee_spare(robot: Robot, sequence: StepSequence, feet: FeetTrajectories, waist: np.ndarray) -> float:
-    """Smallest spare angle [rad] of the lead knee in phase 1 to its margin; -inf where the sole is out of reach."""
+def _knee_spare(
+    robot: Robot, sequence: StepSequence, feet: FeetTrajectories, waist: np.ndarray, shifts: np.ndarray
+) -> np.ndarray:
+    """Smallest spare angle (S,) [rad] of the lead knee in phase 1 to its margin; -inf where the sole is out of reach.
+
+    For the waist (N, 7) moved by each of some shifts (S, N, 2).
+    """
     step = sequence.step(LEG_1)
     over, leg = slice(step.lift_off, step.touch_down), robot.leg(step.side)
-    angles, excess = leg.attempt(waist[over], feet.foot(step.side)[over])
+    waists = np.concatenate([moved(waist[over], shift[over]) for shift in shifts])
+    angles, excess = leg.attempt(waists, np.tile(feet.foot(step.side)[over], (len(shifts), 1)))
     knee = next(k for k, joint in enumerate(leg.joints) if joint in robot.legs.knee)
     margin = np.radians(robot.verdict.knee_margin_deg + robot.upper_body.knee_spare_deg)
-    return float(np.where(excess > 0.0, -np.inf, np.abs(angles[:, knee]) - margin).min())
+    spare = np.where(excess > 0.0, -np.inf, np.abs(angles[:, knee]) - margin)
+    return np.asarray(spare.reshape(len(shifts), -1).min(axis=1))
