@@ -70,20 +70,22 @@ def key_configurations(robot: Robot, obstacle: Obstacle, leading: int = -1) -> l
     yaw = -leading * np.radians(search.waist_yaw_deg)
     found: list[KeyConfiguration] = []
     judged: list[tuple[LegCheck, np.ndarray, np.ndarray]] = []
-    for some in np.split(steps, range(STEPS_AT_ONCE, len(steps), STEPS_AT_ONCE)):
-        if found and some[0] > found[0].x_ads + search.step_length_more + 1e-9:
-            break
+    while len(steps):
+        some, steps = steps[:STEPS_AT_ONCE], steps[STEPS_AT_ONCE:]
         x_ads, z_hds = (axis.ravel() for axis in np.meshgrid(some, heights, indexing="ij"))
         postures = key_postures(robot, obstacle, x_ads, search.delta_ds * x_ads, z_hds, yaw)
         good = postures.good(search.spare)
         pairs = zip(x_ads[good].tolist(), z_hds[good].tolist(), strict=True)
         found += [KeyConfiguration(x, search.delta_ds * x, z, yaw) for x, z in pairs]
         judged.append((postures, x_ads, z_hds))
+        if found:
+            longest = found[0].x_ads + search.step_length_more + 1e-9
+            found, steps = [key for key in found if key.x_ads <= longest], steps[steps <= longest]
     if not found:
         tables, *grids = zip(*judged, strict=True)
         everything = LegCheck(*(np.concatenate(part) for part in zip(*tables, strict=True)))
         raise Infeasible(_why_not(robot, everything, *(np.concatenate(grid) for grid in grids)))
-    return [key for key in found if key.x_ads <= found[0].x_ads + search.step_length_more + 1e-9]
+    return found
 
 
 def key_postures(

@@ -79,7 +79,7 @@ class Adaptation:
 
 METHODS = (1, 2, 3)
 """The methods of Sec. III-E, for those who want to switch some off."""
-CLOSER = (16, 4, 1)
+CLOSER = (8, 1)
 """Of the samples that the search looks at, every so many; few of them rule most ways out."""
 
 
