@@ -123,8 +123,8 @@ def require(robot: Robot, obstacle: Obstacle, motion: Motion, placements: Placem
     missing = margin[:, None] - robot.verdict.zmp_margin
     _refuse(motion, missing, ["the ZMP"], "mm", "short of its margin to the support polygon's edge")
     placements = placements or body.placements(motion.q)
-    look = np.arange(0, len(motion.time), robot.verdict.self_look_every)
-    distance, one, other, sample = self_clearance(robot.own_pairs, placements, look, up_to=0.0)
+    every = robot.verdict.self_look_every
+    distance, one, other, sample = self_clearance(robot.own_pairs, placements, every, up_to=0.0)
     if distance <= 0.0:
         raise Infeasible(f"{one} and {other} meet, {-1e3 * distance:.1f} mm deep, at t = {motion.time[sample]:.3f} s")
     safe = obstacle.profile(float(motion.obstacle[0]), margins=True)

@@ -132,7 +132,7 @@ class Leg:
         lateral = origins[2:, 1].sum()  # ankle beside the hip along the pitch axes
         waist_r, foot_r = pose.rotation(waist), pose.rotation(sole)
         hip = waist[:, :3] + waist_r @ origins[0]
-        ankle = sole[:, :3] + foot_r @ [0.0, 0.0, self.ankle_height]
+        ankle = sole[:, :3] + self.ankle_height * foot_r[:, :, 2]
         x, y, z = (np.swapaxes(foot_r, 1, 2) @ (hip - ankle)[..., None])[..., 0].T
         radius = np.maximum(np.hypot(y, z), abs(lateral))
         roll = np.arctan2(y, z) + np.arcsin(lateral / radius)
@@ -151,8 +151,8 @@ class Leg:
             np.arcsin(np.clip(side[2], -1.0, 1.0)),
             np.arctan2(-turn[2, 0], up) - knee - pitch,  # three turns about parallel axes add up
         ]
-        wrapped = (np.column_stack([*hip_angles, knee, pitch, roll]) + np.pi) % (2.0 * np.pi) - np.pi
-        return wrapped, excess
+        angles = np.column_stack([*hip_angles, knee, pitch, roll])
+        return angles - 2.0 * np.pi * np.round(angles / (2.0 * np.pi)), excess
 
     def _newton(self, waist: np.ndarray, sole: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Damped Newton iteration on the pose error of all samples at once, from half-sitting."""

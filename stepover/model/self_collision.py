@@ -9,20 +9,20 @@ from stepover.model.kinematics import Placements
 
 
 def self_clearance(
-    pairs: list[tuple[Shape, Shape]], placements: Placements, samples: np.ndarray, up_to: float = np.inf
+    pairs: list[tuple[Shape, Shape]], placements: Placements, every: int, up_to: float = np.inf
 ) -> tuple[float, str, str, int]:
     """Smallest signed distance [m] between pairs of the robot's own shapes, their links, and the sample at which.
 
     Args:
         pairs: which shapes may not meet.
         placements: of all joints.
-        samples: (n,) where to look.
+        every: which samples to look at.
         up_to: distances larger than that are not told apart [m]; then one of them comes back.
     """
-    look = Placements(placements.rotations[samples], placements.positions[samples])
+    look = Placements(placements.rotations[::every], placements.positions[::every])
     bounds = _lower_bounds(pairs, look, up_to)
     distance, which, k = smallest(bounds, lambda i, k: distance_between(*pairs[i], look, k), up_to)
-    return distance, pairs[which][0].link, pairs[which][1].link, int(samples[k])
+    return distance, pairs[which][0].link, pairs[which][1].link, k * every
 
 
 def _lower_bounds(pairs: list[tuple[Shape, Shape]], look: Placements, up_to: float) -> np.ndarray:
@@ -35,14 +35,14 @@ def _lower_bounds(pairs: list[tuple[Shape, Shape]], look: Placements, up_to: flo
     row = {id(shape): k for k, shape in enumerate(shapes)}
     first, second = np.array([[row[id(shape)] for shape in pair] for pair in pairs]).T
     root, every = np.ascontiguousarray(look.rotations[:, 1].transpose(1, 2, 0)), slice(None)
-    boxes = np.array([_extent(shape, look, every, root) for shape in shapes])  # (shapes, low and high, axes, n)
-    whole = np.array([boxes[:, 0].min(axis=-1), boxes[:, 1].max(axis=-1)]).swapaxes(1, 2)
-    bounds = np.tile(_gap(whole[..., first], whole[..., second])[:, None], (1, len(look.positions)))
-    for k in np.flatnonzero(bounds[:, 0] <= up_to):
-        bounds[k] = _gap(boxes[first[k]], boxes[second[k]])
-        meet = np.flatnonzero(bounds[k] <= min(up_to, 0.0))
-        if len(meet):
-            bounds[k, meet] = np.maximum(bounds[k, meet], _apart(*pairs[k], look, meet))
+    boxes = np.array([_extent(shape, look, every, root) for shape in shapes]).transpose(1, 2, 0, 3)
+    whole = np.array([boxes[0].min(axis=-1), boxes[1].max(axis=-1)])  # low and high, axes, shapes
+    always = _gap(whole[..., first], whole[..., second])
+    bounds, near = np.tile(always[:, None], (1, len(look.positions))), always <= up_to
+    bounds[near] = _gap(boxes[:, :, first[near]], boxes[:, :, second[near]])
+    for k in np.flatnonzero((bounds <= 0.0).any(axis=1)):
+        meet = np.flatnonzero(bounds[k] <= 0.0)
+        bounds[k, meet] = np.maximum(bounds[k, meet], _apart(*pairs[k], look, meet))
     return bounds
 
 

@@ -18,8 +18,8 @@ def kept_table(robot: Robot, planned: Plan) -> Table:
     motion, found = planned.motion, measure(robot, planned.motion)
     _, short = postures(robot, after_adaptation(planned), slice(None))
     knee = float(knees_from_straight(robot, motion.q).min())
-    look = np.arange(0, len(motion.time), robot.verdict.self_look_every)
-    own, one, other, _ = self_clearance(robot.own_pairs, robot.body.placements(motion.q), look)
+    placements, every = robot.body.placements(motion.q), robot.verdict.self_look_every
+    own, one, other, _ = self_clearance(robot.own_pairs, placements, every)
     apart = float((motion.left_foot - motion.right_foot)[:, 1].min())
     zmp, joint = max(found.zmp_rms), np.degrees(found.joint_margin_min)
     rows = [
