@@ -149,13 +149,14 @@ def feasible(
     """
     gap = x_ads - front.behind - rear.ahead
     free = rear.possible & front.possible & (gap > reading.box(obstacle)[0])
-    links = (rear.centre + x_ads + front.centre) / 2.0
-    com = reading.hip_share * rear.hip + (1.0 - reading.hip_share) * links
-    return {
-        6: free & over_rear_foot(com, biped.foot),
-        7: free & between_feet(com, x_ads, biped.foot),
-        8: free & over_front_foot(com, x_ads, biped.foot),
-    }
+    x_ads = np.broadcast_to(x_ads, free.shape)[free]  # where the CoM is matters only there
+    links = (rear.centre[free] + x_ads + front.centre[free]) / 2.0
+    com = reading.hip_share * rear.hip[free] + (1.0 - reading.hip_share) * links
+    masks = {equation: np.zeros_like(free) for equation in (6, 7, 8)}
+    masks[6][free] = over_rear_foot(com, biped.foot)
+    masks[7][free] = between_feet(com, x_ads, biped.foot)
+    masks[8][free] = over_front_foot(com, x_ads, biped.foot)
+    return masks
 
 
 def _below(a: np.ndarray, b: np.ndarray, top: float) -> tuple[np.ndarray, np.ndarray]:
