@@ -10,7 +10,15 @@ from conftest import random_q
 
 from stepover import InvalidInput, Obstacle
 from stepover.model.body import Body
-from stepover.model.collision import clearance, distance_between, exact_distance, profile, separation, shapes_of
+from stepover.model.collision import (
+    clearance,
+    distance_between,
+    exact_distance,
+    least_separation,
+    profile,
+    separation,
+    shapes_of,
+)
 from stepover.model.kinematics import Placements
 from stepover.model.obstacle import LATERAL_HALF_EXTENT
 
@@ -105,6 +113,18 @@ def test_a_rectangle_a_sample(robot, strewn):
             for k in range(150)
         ]
         np.testing.assert_allclose(separation(shape, strewn, rectangles), each, atol=1e-12)
+
+
+@pytest.mark.parametrize("up_to", [np.inf, 0.02, 0.0])
+@pytest.mark.parametrize("moving", [False, True])
+def test_the_least_separation_is_that_of_all_shapes(robot, strewn, up_to, moving):
+    rectangle = BEAM + np.outer(np.linspace(-0.5, 0.5, 150), [1.0, 1.0, 0.0, 0.0]) if moving else BEAM
+    each = np.array([separation(shape, strewn, rectangle) for shape in robot.shapes])
+    least, which = least_separation(robot.shapes, strewn, rectangle, up_to)
+    np.testing.assert_allclose(least, np.minimum(each.min(axis=0), up_to), atol=1e-12)
+    told = each.min(axis=0) < up_to
+    assert told.sum() > 20
+    np.testing.assert_allclose(each[which, np.arange(150)][told], least[told], atol=1e-12)
 
 
 def foot_at(robot, x, z, yaw=0.0):

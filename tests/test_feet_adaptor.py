@@ -8,7 +8,7 @@ from stepover.planner import algorithm_1, plan_in_detail
 from stepover.units.beyond_paper import extra_shape, extra_zmp
 from stepover.units.com_waist import com_and_waist
 from stepover.units.feasibility import key_configurations
-from stepover.units.feet_adaptor import adapt_feet, push_ankle, raise_waist, shift_back, waist_bump
+from stepover.units.feet_adaptor import adapt_feet, clearances, push_ankle, raise_waist, shift_back, waist_bump
 from stepover.units.feet_trajectories import feet_trajectories
 from stepover.units.leg_check import check_legs
 from stepover.units.step_sequence import LEG_2, step_sequence
@@ -112,6 +112,19 @@ def test_all_three_end_clear(robot, high):
     lifted = raise_waist(robot, sequence, waist, result.raised)
     assert depth(robot, obstacle, sequence, lifted, result.feet) >= 0.0
     np.testing.assert_allclose(lifted[:, 2] - waist[:, 2], result.waist_raise, atol=1e-12)
+
+
+def test_looking_closer_step_by_step_misses_no_way(robot, high):
+    obstacle, sequence, waist, feet = high
+    result = adapt_feet(robot, obstacle, sequence, waist, feet)
+    adaptor = robot.adaptor
+    raises = np.arange(0.0, adaptor.raise_max + 1e-9, adaptor.raise_step)
+    shifts = np.arange(0.0, adaptor.shift_max + 1e-9, adaptor.shift_step)
+    ways = np.array([(height, shift) for height in raises for shift in shifts])
+    free = clearances(robot, obstacle, sequence, waist, feet, ways, adaptor.look_every)
+    enough = np.flatnonzero(free >= adaptor.spare)
+    assert 0 < len(enough) < 0.9 * len(ways)
+    np.testing.assert_allclose([result.raised, result.shift], ways[enough[0]])
 
 
 def test_without_any_method_it_says_what_remains(robot, high):
