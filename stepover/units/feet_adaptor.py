@@ -81,6 +81,8 @@ METHODS = (1, 2, 3)
 """The methods of Sec. III-E, for those who want to switch some off."""
 CLOSER = (8, 1)
 """Of the samples that the search looks at, every so many; few of them rule most ways out."""
+TIE = 1e-9
+"""Better by less is rounding [m]: the swing foot lies where it lies, whatever the waist's height."""
 
 
 def adapt_feet(
@@ -115,8 +117,9 @@ def adapt_feet(
     best = (-np.inf, 0.0, 0.0)
     for height, by in zip(raises, free.reshape(len(raises), -1), strict=True):  # (1), then (2) and (1) again
         enough = by >= adaptor.spare
-        first = int(np.argmax(enough) if enough.any() else np.argmax(by))
-        best = max(best, (float(by[first]), float(shifts[first]), float(height)))
+        first = int(np.argmax(enough if enough.any() else by >= by.max() - TIE))
+        if by[first] > best[0] + TIE or best[0] == -np.inf:
+            best = (float(by[first]), float(shifts[first]), float(height))
         if enough.any():
             break
     free_by, shift, height = best
