@@ -133,7 +133,7 @@ class Leg:
         waist_r, foot_r = pose.rotation(waist), pose.rotation(sole)
         hip = waist[:, :3] + waist_r @ origins[0]
         ankle = sole[:, :3] + self.ankle_height * foot_r[:, :, 2]
-        x, y, z = (np.swapaxes(foot_r, 1, 2) @ (hip - ankle)[..., None])[..., 0].T
+        x, y, z = np.einsum("ban,bn->an", np.ascontiguousarray(foot_r.transpose(1, 2, 0)), (hip - ankle).T)
         radius = np.maximum(np.hypot(y, z), abs(lateral))
         roll = np.arctan2(y, z) + np.arcsin(lateral / radius)
         reach = np.sqrt(radius**2 - lateral**2) + 1j * x  # from the ankle to the hip, in the leg's plane
@@ -143,16 +143,17 @@ class Leg:
         bend = np.sign(self.rest[3]) * np.arccos(np.clip(cosine, -1.0, 1.0))
         knee = bend + np.angle(thigh) - np.angle(shank)
         pitch = -np.angle(-reach / (thigh + shank * np.exp(1j * knee))) - knee
-        turn = (np.swapaxes(waist_r, 1, 2) @ foot_r).transpose(1, 2, 0)  # the foot's axes, seen from the waist
-        sine, cosine = np.sin(roll), np.cos(roll)
-        side, up = cosine * turn[:, 1] - sine * turn[:, 2], sine * turn[2, 1] + cosine * turn[2, 2]
+        upper = np.swapaxes(waist_r, 1, 2) @ foot_r @ axis_rotation(np.eye(3)[0], -roll)
+        upper = upper @ axis_rotation(np.eye(3)[1], -(knee + pitch))
         hip_angles = [
-            np.arctan2(-side[0], side[1]),
-            np.arcsin(np.clip(side[2], -1.0, 1.0)),
-            np.arctan2(-turn[2, 0], up) - knee - pitch,  # three turns about parallel axes add up
+            np.arctan2(-upper[:, 0, 1], upper[:, 1, 1]),
+            np.arcsin(np.clip(upper[:, 2, 1], -1.0, 1.0)),
+            np.arctan2(-upper[:, 2, 0], upper[:, 2, 2]),
         ]
-        angles = np.column_stack([*hip_angles, knee, pitch, roll])
-        return angles - 2.0 * np.pi * np.round(angles / (2.0 * np.pi)), excess
+        turned = np.column_stack([*hip_angles, knee, pitch, roll]) + np.pi
+        beyond = (turned < 0.0) | (turned >= 2.0 * np.pi)  # few, and the remainder is slow
+        turned[beyond] %= 2.0 * np.pi
+        return turned - np.pi, excess
 
     def _newton(self, waist: np.ndarray, sole: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Damped Newton iteration on the pose error of all samples at once, from half-sitting."""
