@@ -5,6 +5,7 @@ from stepover.errors import Infeasible
 from stepover.model.obstacle import Obstacle
 from stepover.planned import Effort
 from stepover.planner import algorithm_1, plan_in_detail
+from stepover.units import feet_adaptor
 from stepover.units.beyond_paper import extra_shape, extra_zmp
 from stepover.units.com_waist import com_and_waist
 from stepover.units.feasibility import key_configurations
@@ -125,6 +126,14 @@ def test_looking_closer_step_by_step_misses_no_way(robot, high):
     enough = np.flatnonzero(free >= adaptor.spare)
     assert 0 < len(enough) < 0.9 * len(ways)
     np.testing.assert_allclose([result.raised, result.shift], ways[enough[0]])
+
+
+def test_of_ways_that_differ_by_rounding_the_least_is_taken(robot, high, monkeypatch):
+    obstacle, sequence, waist, feet = high
+    noise = np.random.default_rng(1)
+    monkeypatch.setattr(feet_adaptor, "clearances", lambda *args: -0.03 + noise.normal(0.0, 1e-17, len(args[5])))
+    result = adapt_feet(robot, obstacle, sequence, waist, feet)
+    assert (result.raised, result.shift) == (0.0, 0.0)
 
 
 def test_without_any_method_it_says_what_remains(robot, high):

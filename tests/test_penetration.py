@@ -24,8 +24,8 @@ def point_on(robot, leg, waist, angles, joint, local):
     return placements.rotations[0, index] @ local + placements.positions[0, index]
 
 
-def pushed_ankle(leg, waist, angles, point, joint, push, damping):
-    """Displacement (3,) of the ankle at one sample."""
+def displaced(leg, waist, angles, point, joint, push, damping):
+    """displace for one posture."""
     return displace(leg, waist[None], angles[None], point[None], np.array([joint]), push[None], damping)[0]
 
 
@@ -36,7 +36,7 @@ def test_jacobians_match_finite_differences(robot, side, yaw, joint):
     leg, waist, angles, _ = placed(robot, side, yaw)
     local = np.array([0.1, 0.0, -0.05])
     point = point_on(robot, leg, waist, angles, joint, local)
-    j_s, j_p = (part[0] for part in jacobians(leg, waist[None], angles[None], point[None], np.array([joint])))
+    j_s, j_p = (j[0] for j in jacobians(leg, waist[None], angles[None], point[None], np.array([joint])))
     to_waist = pose.rotation(waist[None])[0].T
     for k in range(4):
         step = np.zeros(6)
@@ -54,7 +54,7 @@ def test_after_the_full_ik_the_point_moves_by_ds(robot, yaw):
     point = point_on(robot, leg, waist, angles, 3, local)
     push = np.array([-0.004, 0.0, 0.0])
     moved_sole = sole.copy()
-    moved_sole[:3] += pushed_ankle(leg, waist, angles, point, 3, push, damping=1e-4)
+    moved_sole[:3] += displaced(leg, waist, angles, point, 3, push, 1e-4)
     solved = leg.inverse(waist[None], moved_sole[None])[0]
     way = point_on(robot, leg, waist, solved, 3, local) - point
     assert way[0] == pytest.approx(push[0], rel=0.1)
@@ -63,21 +63,21 @@ def test_after_the_full_ik_the_point_moves_by_ds(robot, yaw):
 def test_a_thigh_point_leaves_the_knee_column_empty_and_the_push_finite(robot):
     leg, waist, angles, _ = placed(robot, 1, 0.0)
     point = point_on(robot, leg, waist, angles, 2, np.array([0.05, 0.0, -0.2]))
-    j_s, _ = jacobians(leg, waist[None], angles[None], point[None], np.array([2]))
-    assert not j_s[0, :, 3].any()
-    assert np.linalg.norm(pushed_ankle(leg, waist, angles, point, 2, np.array([-0.005, 0.0, 0.0]), 0.02)) < 0.1
+    j_s = jacobians(leg, waist[None], angles[None], point[None], np.array([2]))[0][0]
+    assert not j_s[:, 3].any()
+    assert np.linalg.norm(displaced(leg, waist, angles, point, 2, np.array([-0.005, 0.0, 0.0]), 0.02)) < 0.1
 
 
-def test_many_samples_at_once_are_each_of_them_alone(robot):
-    rng = np.random.default_rng(5)
-    leg, waist, angles, _ = placed(robot, 1, 10.0)
-    many = [np.tile(part, (20, 1)) for part in (waist, angles)]
-    many[1] += rng.normal(0.0, 0.1, (20, 6))
-    points, joints, pushes = rng.normal(0.3, 0.1, (20, 3)), rng.integers(2, 6, 20), rng.normal(0.0, 0.01, (20, 3))
-    together = displace(leg, *many, points, joints, pushes, 0.02)
+def test_postures_do_not_see_each_other(robot):
+    postures = [placed(robot, 1, yaw)[1:3] for yaw in (0.0, 25.0, 10.0)]
+    waist, angles = (np.array(part) for part in zip(*postures, strict=True))
+    angles[1, 3] += 0.1
+    points, joints = waist[:, :3] + [0.1, 0.0, -0.4], np.array([2, 3, 5])
+    push = np.outer([-0.004, 0.003, 0.01], [1.0, 0.0, 0.0])
+    together = displace(robot.leg(1), waist, angles, points, joints, push, 0.02)
     for k, one in enumerate(together):
-        alone = pushed_ankle(leg, many[0][k], many[1][k], points[k], joints[k], pushes[k], 0.02)
-        np.testing.assert_allclose(one, alone, atol=1e-14)
+        alone = displaced(robot.leg(1), waist[k], angles[k], points[k], joints[k], push[k], 0.02)
+        np.testing.assert_allclose(one, alone, rtol=1e-12)
 
 
 def test_horizontal_depth_of_a_square():

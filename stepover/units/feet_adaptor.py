@@ -132,14 +132,6 @@ def shift_back(robot: Robot, feet: FeetTrajectories, step: Step, distance: float
     return _displaced(feet, step, np.outer(-distance * _back(robot, step), [1.0, 0.0, 0.0]))
 
 
-@lru_cache(maxsize=16)
-def _bump(knots: tuple[tuple[float, float], ...], count: int) -> np.ndarray:
-    """A spline (count,) over a swing, fitted once for the many distances that are tried."""
-    bump = clamped_spline(list(knots), np.linspace(0.0, 1.0, count))
-    bump.flags.writeable = False
-    return bump
-
-
 def raise_waist(robot: Robot, sequence: StepSequence, waist: np.ndarray, height: float) -> np.ndarray:
     """Method (2): the waist (N, 7) raised while the trailing leg steps over."""
     return np.column_stack([waist[:, :2], waist[:, 2] + waist_bump(robot, sequence, height), waist[:, 3:]])
@@ -167,7 +159,9 @@ def _bump(peak: float, end: float, count: int) -> np.ndarray:
     """Smooth bump (count,) over a swing's time from 0 to 1: a knot where its peak shall be, 0 at both ends."""
     bump = clamped_spline([(0.0, 0.0), (peak, 1.0), (end, 0.0)], np.linspace(0.0, 1.0, count))
     bump[[0, -1]] = 0.0
-    return bump / bump.max()
+    bump /= bump.max()
+    bump.flags.writeable = False
+    return bump
 
 
 def push_ankle(

@@ -132,7 +132,9 @@ def _normal_shape(rest: float, count: int) -> tuple[np.ndarray, np.ndarray]:
     """Shares (count,) of a normal step's lift and length: the same for all of them, however long they are."""
     share = np.linspace(0.0, 1.0, count)
     up = clamped_spline([(0.0, 0.0), (0.5, 1.0), (1.0, 0.0)], share)
-    return up, clamped_spline([(rest, 0.0), (1.0 - rest, 1.0)], share)
+    ahead = clamped_spline([(rest, 0.0), (1.0 - rest, 1.0)], share)
+    up.flags.writeable = ahead.flags.writeable = False
+    return up, ahead
 
 
 def _leg_1(

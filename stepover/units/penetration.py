@@ -43,22 +43,18 @@ def ankle_displacements(
         centre = _world_y(shape, placements.rotations, placements.positions)
         point[deeper] = np.column_stack([where[:, 0], centre, where[:, 1]])[deeper]
         depth[deeper], order[deeper] = dx[deeper], joints.index(shape.joint)
-    displacement, deep = np.zeros((len(waist), 3)), np.flatnonzero(depth)
-    push = np.outer(depth[deep], [1.0, 0.0, 0.0])
-    displacement[deep] = displace(leg, waist[deep], angles[deep], point[deep], order[deep], push, adaptor.damping)
+    displacement, inside = np.zeros((len(waist), 3)), np.flatnonzero(depth)
+    push = np.outer(depth[inside], [1.0, 0.0, 0.0])
+    there = waist[inside], angles[inside], point[inside], order[inside]
+    displacement[inside] = displace(leg, *there, push, adaptor.damping)
     return displacement
 
 
 def displace(
-    leg: Leg,
-    waist: np.ndarray,
-    angles: np.ndarray,
-    point: np.ndarray,
-    joint: np.ndarray,
-    push: np.ndarray,
+    leg: Leg, waist: np.ndarray, angles: np.ndarray, point: np.ndarray, joint: np.ndarray, push: np.ndarray,
     damping: float,
-) -> np.ndarray:
-    """Eq. (25): displacements (N, 3) of the ankle, in the world, that move points of the leg by pushes (N, 3).
+) -> np.ndarray:  # fmt: skip
+    """Eq. (25): displacements (N, 3) of the ankle, in the world, that move points of the leg by push (N, 3).
 
     Args:
         leg: the leg.
@@ -70,11 +66,10 @@ def displace(
         damping: of the inverse [m]; where a thigh's point leaves the knee's column empty, rank is lost.
     """
     j_s, j_p = jacobians(leg, waist, angles, point, joint)
-    to_world = pose.rotation(waist)
+    to_world, back = pose.rotation(waist), np.swapaxes(j_s, 1, 2)
     wanted = np.swapaxes(to_world, 1, 2) @ push[..., None]
-    back = np.swapaxes(j_s, 1, 2)
     motion = back @ np.linalg.solve(j_s @ back + damping**2 * np.eye(3), wanted)
-    return np.asarray(to_world @ (j_p @ motion))[..., 0]
+    return np.asarray((to_world @ (j_p @ motion))[..., 0])
 
 
 def jacobians(
@@ -84,7 +79,7 @@ def jacobians(
     ankle, axes, centres = leg.joint_frames(waist, angles)
     to_waist = np.swapaxes(pose.rotation(waist), 1, 2)
     columns = []
-    for target, last in ((point, joint), (ankle, np.full(len(waist), 3))):
+    for target, last in ((point, joint), (ankle, np.full_like(joint, 3))):
         moving = np.arange(4) <= last[:, None]
         arms = np.cross(axes[:, :4], target[:, None] - centres[:, :4]) * moving[..., None]
         columns.append(to_waist @ np.swapaxes(arms, 1, 2))
