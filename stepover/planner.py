@@ -14,11 +14,12 @@ from stepover.model.robot import Robot
 from stepover.motion import FORMAT, Motion, obstacle_row
 from stepover.nearest import nearest_crossable
 from stepover.planned import Effort, Plan
+from stepover.units.adaptor_ways import raise_waist
 from stepover.units.beyond_paper import extra_shape, extra_zmp, waist_delay
 from stepover.units.com_waist import com_and_waist
 from stepover.units.dynamic_filter import filtered_waist
 from stepover.units.feasibility import KeyConfiguration, key_configurations
-from stepover.units.feet_adaptor import adapt_feet, raise_waist
+from stepover.units.feet_adaptor import adapt_feet
 from stepover.units.feet_trajectories import FeetTrajectories, feet_trajectories
 from stepover.units.step_sequence import StepSequence, step_sequence
 from stepover.units.upper_body import moved, upper_body

@@ -5,11 +5,12 @@ from stepover.errors import Infeasible
 from stepover.model.obstacle import Obstacle
 from stepover.planned import Effort
 from stepover.planner import algorithm_1, plan_in_detail
-from stepover.units import feet_adaptor
+from stepover.units import adaptor_ways
+from stepover.units.adaptor_ways import clearances, raise_waist, shift_back, waist_bump
 from stepover.units.beyond_paper import extra_shape, extra_zmp
 from stepover.units.com_waist import com_and_waist
 from stepover.units.feasibility import key_configurations
-from stepover.units.feet_adaptor import adapt_feet, clearances, push_ankle, raise_waist, shift_back, waist_bump
+from stepover.units.feet_adaptor import adapt_feet, push_ankle
 from stepover.units.feet_trajectories import feet_trajectories
 from stepover.units.leg_check import check_legs
 from stepover.units.step_sequence import LEG_2, step_sequence
@@ -131,7 +132,7 @@ def test_looking_closer_step_by_step_misses_no_way(robot, high):
 def test_of_ways_that_differ_by_rounding_the_least_is_taken(robot, high, monkeypatch):
     obstacle, sequence, waist, feet = high
     noise = np.random.default_rng(1)
-    monkeypatch.setattr(feet_adaptor, "clearances", lambda *args: -0.03 + noise.normal(0.0, 1e-17, len(args[5])))
+    monkeypatch.setattr(adaptor_ways, "clearances", lambda *args: -0.03 + noise.normal(0.0, 1e-17, len(args[5])))
     result = adapt_feet(robot, obstacle, sequence, waist, feet)
     assert (result.raised, result.shift) == (0.0, 0.0)
 

@@ -17,11 +17,12 @@ from stepover.model.robot import Robot
 from stepover.planned import Effort, Plan
 from stepover.planner import algorithm_1, whole_body
 from stepover.report.key_posture import knees_from_straight
+from stepover.units.adaptor_ways import raise_waist
 from stepover.units.beyond_paper import extra_shape, extra_zmp, waist_delay
 from stepover.units.com_waist import ComWaist, com_and_waist
 from stepover.units.dynamic_filter import filtered_waist
 from stepover.units.feasibility import KeyConfiguration
-from stepover.units.feet_adaptor import METHODS, adapt_feet, raise_waist
+from stepover.units.feet_adaptor import METHODS, adapt_feet
 from stepover.units.feet_trajectories import FeetTrajectories, feet_trajectories
 from stepover.units.leg_check import check_legs
 from stepover.units.step_sequence import LEG_1, LEG_2, StepSequence, step_sequence
