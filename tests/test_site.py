@@ -44,7 +44,8 @@ def built(tmp_path_factory):
     """A site of the real pages, with made-up outputs in one notebook and made-up 3-D pages."""
     folder = tmp_path_factory.mktemp("site")
     first, *others = sorted((TOP / "notebooks").glob("*.ipynb"))
-    views = {name: (title, f"<html><body>{title}</body></html>") for name, (title, *_) in site.CROSSINGS.items()}
+    titles = {name: one["title"] for name, one in site.crossings_of(TOP).items()}
+    views = {name: (title, f"<html><body>{title}</body></html>") for name, title in titles.items()}
     return site.build(TOP, [with_outputs(first, folder), *others], views, folder / "site")
 
 
@@ -272,7 +273,7 @@ class TestStale:
 
         monkeypatch.setattr(site, "run_notebook", run_notebook)
         monkeypatch.setattr(site, "build", lambda top, executed, views, place: [path.name for path in executed])
-        monkeypatch.setattr(site, "CROSSINGS", {})
+        monkeypatch.setattr(site, "crossings_of", lambda _: {})
         (top / "notebooks" / "b.ipynb").touch()
         os.utime(top / "notebooks" / "b.ipynb", (100, 100))
         assert site.make(top) == ["a.ipynb", "b.ipynb"]

@@ -12,8 +12,10 @@ import os
 import shutil
 import subprocess
 import sys
+import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from stepover.errors import StepOverError
 from stepover.model.obstacle import Obstacle
@@ -25,12 +27,6 @@ from stepover.report.site_links import faults
 from stepover.report.site_pages import BESIDE, FILES, VIEWS, lay_out
 from stepover.units.step_sequence import LEG_1
 
-CROSSINGS = {
-    "hrp2_15cm": ("HRP-2 over 15 cm", "hrp2", 0.15),
-    "hrp2_25cm": ("HRP-2 over 25 cm", "hrp2", 0.25),
-    "jvrc1_18cm": ("JVRC-1 over 18 cm", "jvrc1", 0.18),
-}
-"""3-D pages: title, robot, and height of an obstacle 5 cm wide [m], by the page's name."""
 PARTS = "4"
 """Into which Sphinx divides its work, alphabetically: with fewer, all of the reference would fall to one core."""
 INDEPENDENT = "cli", "__main__.py"
@@ -51,16 +47,21 @@ def make(top: Path) -> Path:
         SiteFailed: see there.
     """
     executed = [_executed(top, notebook) for notebook in find_notebooks(top)]
-    views = {name: (title, crossing(robot, height)) for name, (title, robot, height) in CROSSINGS.items()}
+    views = {name: (one.pop("title"), crossing(**one)) for name, one in crossings_of(top).items()}
     return build(top, executed, views, top / "build" / "site")
 
 
-def crossing(name: str, height: float) -> str:
-    """3-D page of a robot that steps over an obstacle [m], at first with leg 1 just behind it."""
-    robot = load_robot(name)
-    motion = plan(robot, Obstacle(height, 0.05))
+def crossings_of(top: Path) -> dict[str, Any]:
+    """Title, robot, height and width of each 3-D page, by the page's name."""
+    return tomllib.loads((top / "docs" / "site" / "views.toml").read_text())
+
+
+def crossing(robot: str, height: float, width: float) -> str:
+    """3-D page of a robot, by its name, that steps over an obstacle [m], at first with leg 1 just behind it."""
+    model = load_robot(robot)
+    motion = plan(model, Obstacle(height, width))
     (landing,) = motion.footsteps[motion.footsteps[:, 5] == LEG_1, 0]
-    return viewer.page(robot, motion, float(landing))
+    return viewer.page(model, motion, float(landing))
 
 
 def build(top: Path, notebooks: Sequence[Path], views: Mapping[str, tuple[str, str]], site: Path) -> Path:
