@@ -14,6 +14,7 @@ from stepover.control.sensors import Sensed
 from stepover.errors import InvalidInput
 from stepover.model.pose import pose
 from stepover.report import landing_study, landing_tables
+from stepover.report.agreement import NEARLY, NO, YES
 from stepover.report.claims import read_claims
 from stepover.report.landing import (
     NAIVE,
@@ -31,7 +32,7 @@ from stepover.report.landing import (
 from stepover.report.landing_control import THRESHOLD, AsPlanned, LandingControl
 from stepover.report.landing_force import land, measured
 from stepover.report.landing_settings import BASES, FITTED, RIGID, VARIATIONS, Setting
-from stepover.report.landing_study import LONG, SHORT, Landed, Point, agrees, at
+from stepover.report.landing_study import LONG, SHORT, Landed, Point, agreement_of, agrees, at
 from stepover.report.landing_tables import PAPER_NAIVE, PAPER_SHAPED, nearest_pairs, pair
 from stepover.units.feet_trajectories import Swing, fourth_order
 from stepover.units.step_sequence import LEG_1
@@ -414,8 +415,9 @@ def test_agreement_is_about_motion_and_forces(stored):
     assert not agrees([dataclasses.replace(row, motion="0" * 64)], point)
     values = dict.fromkeys(("time", "raw", "force"), np.zeros(0)) | {"weight": 560.0, "fell": ""}
     numbers = {name: getattr(row, name) for name in landing_study.MEASURED}
-    assert agrees([row], point, landing_study.Landing(**values, **numbers))
-    assert not agrees([row], point, landing_study.Landing(**values, **(numbers | {"peak": row.peak + 1.0})))
+    for more, verdict in ((0.0, YES), (1.0, NEARLY), (100.0, NO)):
+        found = landing_study.Landing(**values, **(numbers | {"peak": row.peak + more}))
+        assert agreement_of([row], point, found) == verdict
     with pytest.raises(KeyError):
         at(stored, Point("on the moon", SHAPED, LONG))
 

@@ -7,6 +7,7 @@ from pathlib import Path
 import nbformat
 import pytest
 
+from stepover.report.agreement import NO
 from stepover.report.claims import read_claims
 from stepover.report.reproduce import checkout, parameters_of, run_notebook
 from stepover.report.verdicts import read_entries, take_records
@@ -95,6 +96,11 @@ def test_runs_with_quick_parameters(notebook, tmp_path):
     drawn = {path.stem: path.read_bytes() for path in pictures_in(tmp_path)}
     assert set(drawn) == FIGURES[notebook.stem]
     assert all(len(content) > 10_000 for content in drawn.values())
+    shown = [
+        data["text/markdown"] for cell in code_cells(tmp_path / "executed.ipynb") for output in cell.outputs
+        if "text/markdown" in (data := output.get("data", {}))
+    ]  # fmt: skip
+    assert not [text for text in shown if f"| {NO} |" in text], "what is stored is no longer so: run make studies"
     recorded = {row["id"]: row for row in take_records(tmp_path)}
     stored = {row["id"]: row for row in read_entries(checkout() / "figures" / "claims.json")}
     assert set(recorded) == {name for name, one in read_claims().items() if one.notebook == notebook.stem}

@@ -22,6 +22,7 @@ from stepover.cli import main
 from stepover.errors import Infeasible, InvalidInput
 from stepover.motion import Motion
 from stepover.report import figures, robustness, studies
+from stepover.report.agreement import NEARLY, NO, YES
 from stepover.report.draws import RANGES, draw
 from stepover.report.figures.robustness import most_influential
 from stepover.report.robustness import Outcome, again, points, read_table, require_current, study
@@ -175,7 +176,7 @@ class TestRates:
         assert influence_table(rows, True).rows[0][0] == "push [N]"
         assert nearness_table(rows, True).rows[0][:2] == ("obstacle further ahead [mm]", "+1.00")
         assert len(failures_table(rows).rows) == sum(not row.success for row in rows)
-        assert [row[-1] for row in agreement_table([(rows[0], True), (rows[1], False)]).rows] == ["yes", "no"]
+        assert [row[-1] for row in agreement_table([(rows[0], YES), (rows[1], NO)]).rows] == [YES, NO]
 
     def test_tables_where_all_ends_alike(self, rows):
         good = [row for row in rows if row.success]
@@ -272,10 +273,14 @@ class TestStudy:
             require_current(other, motion)
 
     def test_a_row_made_anew_agrees_or_not(self, rows, motion, quick):
-        assert again(rows[5:2:-1], motion, 1) == [(row, True) for row in rows[5:2:-1]]
-        assert again([dataclasses.replace(rows[5], version="0")], motion, 1)[0][1]
-        for change in ({"state": "0"}, {"clearance": 0.019}, {"success": not rows[5].success}):
-            assert not again([dataclasses.replace(rows[5], **change)], motion, 1)[0][1]
+        assert again(rows[5:2:-1], motion, 1) == [(row, YES) for row in rows[5:2:-1]]
+        assert rows[5].success
+        near, far = rows[5].clearance + 0.001, rows[5].clearance + 0.01
+        for change, verdict in (
+            ({"version": "0"}, YES), ({"state": "0"}, NEARLY), ({"clearance": near}, NEARLY), ({"clearance": far}, NO),
+            ({"success": False}, NO), ({"motion": "0"}, NO),
+        ):  # fmt: skip
+            assert again([dataclasses.replace(rows[5], **change)], motion, 1)[0][1] == verdict, change
 
     def test_another_robot(self, motion):
         with pytest.raises(InvalidInput, match="unknown robot"):

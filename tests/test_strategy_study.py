@@ -7,6 +7,7 @@ import dataclasses
 import pytest
 
 from stepover.report import strategy_study
+from stepover.report.agreement import NEARLY, NO, YES
 from stepover.report.strategy_study import EPSILON, HEIGHT, QUICK, WIDTH, Crossed, Point, again, by_height, over, reach
 from stepover.report.studies import write_rows
 
@@ -36,14 +37,18 @@ def test_the_stored_table_is_whole(stored):
 @pytest.mark.parametrize("point", SAMPLE, ids=str)
 def test_todays_planners_plan_the_stored_motions(stored, point):
     new, agrees = again(stored, dataclasses.replace(point, physics=False))
-    assert agrees == "yes", "a planner has changed: run make studies"
+    assert agrees == YES, "a planner has changed: run make studies"
     assert new.crossed is None
 
 
 def test_again_sees_another_motion_and_another_result(stored, monkeypatch):
     (row,) = (row for row in stored if (row.height, row.epsilon) == (HEIGHT, None))
     point = Point(HEIGHT)
-    for change, verdict in (({}, "yes"), ({"motion": "0" * 64}, "no"), ({"simulated_clearance": 0.0}, "no")):
+    near = {"simulated_clearance": row.simulated_clearance + 0.001}
+    for change, verdict in (
+        ({}, YES), (near, NEARLY), ({"motion": "0" * 64}, NO), ({"simulated_clearance": 0.0}, NO),
+        ({"crossed": False}, NO),
+    ):  # fmt: skip
         new = dataclasses.asdict(dataclasses.replace(row, **change))
         monkeypatch.setattr(strategy_study, "cross", lambda point, new=new: new)
         assert again(stored, point)[1] == verdict

@@ -18,6 +18,7 @@ import numpy as np
 from stepover import __version__
 from stepover.model.obstacle import Obstacle
 from stepover.motion import Motion
+from stepover.report.agreement import NO, agreement
 from stepover.report.landing import NAIVE, SAME_APEX, SHAPED, landing_motion
 from stepover.report.landing_force import Landing
 from stepover.report.landing_settings import BASES, VARIATIONS
@@ -146,8 +147,15 @@ def at(rows: Sequence[Landed], point: Point) -> Landed:
     raise KeyError(point)
 
 
-def agrees(rows: Sequence[Landed], point: Point, landing: Landing | None = None) -> bool:
-    """Whether a landing that was simulated anew, or without one the motion alone, is that of the stored row."""
+def agrees(rows: Sequence[Landed], point: Point) -> bool:
+    """Whether the motion of a stored row is still planned so."""
+    return row_of(point, None).motion == at(rows, point).motion
+
+
+def agreement_of(rows: Sequence[Landed], point: Point, landing: Landing) -> str:
+    """How a landing that was simulated anew agrees with the stored row: in everything, or else in its peak."""
     new, then = row_of(point, landing), at(rows, point)
-    names = ["motion"] if landing is None else ["motion", "fell", *MEASURED]
-    return all(getattr(new, name) == getattr(then, name) for name in names)
+    if (new.motion, new.fell) != (then.motion, then.fell):
+        return NO
+    same = all(getattr(new, name) == getattr(then, name) for name in MEASURED)
+    return agreement(same, new.peak, then.peak, share=0.02)

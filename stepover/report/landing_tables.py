@@ -14,7 +14,7 @@ from stepover.model.robot import Robot
 from stepover.report.landing import NAIVE, NEAR_FLOOR, SHAPED, Curves, Profile
 from stepover.report.landing_force import Landing
 from stepover.report.landing_settings import BASES, FITTED, VARIATIONS
-from stepover.report.landing_study import LONG, SHORT, Landed, Point, agrees, at
+from stepover.report.landing_study import LONG, SHORT, Landed, Point, agreement_of, at
 from stepover.report.tables import Table, table
 from stepover.units.preview_control import GRAVITY
 
@@ -39,7 +39,7 @@ def agreement(rows: Sequence[Landed], anew: Mapping[Point, Landing]) -> Table:
         "case | swing | touch-down [N] | peak [N] | agrees with the table",
         [
             (point.variation, f"{point.profile}, {point.swing_time:g} s", _force(one.touch_down), _force(one.peak),
-             "yes" if agrees(rows, point, one) else "no")
+             agreement_of(rows, point, one))
             for point, one in anew.items()
         ],
     )  # fmt: skip

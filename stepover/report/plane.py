@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from stepover.errors import InvalidInput
+from stepover.report.agreement import CLOSE, NO, agreement
 from stepover.report.studies import make_table, read_rows, stored_table
 from stepover.report.sweep import Crossing, Point, cross
 
@@ -63,8 +64,10 @@ def at(rows: Sequence[Crossing], height: float, width: float) -> Crossing:
     raise InvalidInput(f"the table has no obstacle {height:.3f} m high and {width:.3f} m wide")
 
 
-def again(stored: Crossing, physics: bool = True) -> tuple[Crossing, bool]:
-    """Plan, and carry out, a row of the table anew: the new row, and whether the two agree."""
+def again(stored: Crossing, physics: bool = True) -> tuple[Crossing, str]:
+    """Plan, and carry out, a row of the table anew: the new row, and how the two agree."""
     new = Crossing(**cross(Point(stored.height, stored.width, stored.robot, physics)))
-    compared = ["planned", "motion"] + (["crossed", "simulated_clearance"] if physics else [])
-    return new, all(getattr(new, name) == getattr(stored, name) for name in compared)
+    if new.motion != stored.motion or (physics and new.crossed != stored.crossed):
+        return new, NO
+    now, then = new.simulated_clearance, stored.simulated_clearance
+    return new, agreement(not physics or now == then, now, then, room=CLOSE)

@@ -19,6 +19,7 @@ from stepover.errors import InvalidInput
 from stepover.model.obstacle import Obstacle
 from stepover.motion import Motion
 from stepover.planner import plan
+from stepover.report.agreement import CLOSE, NO, agreement
 from stepover.report.draws import RANGES, Draw, draw
 from stepover.report.parallel import Row, computed
 from stepover.report.studies import make_table, read_rows, robot_of, rounded, stored_table
@@ -157,8 +158,8 @@ def require_current(rows: Sequence[Outcome], motion: Motion) -> None:
             raise InvalidInput(f"draw {row.draw} of the table comes from other ranges than today's; {advice}")
 
 
-def again(stored: Sequence[Outcome], motion: Motion, workers: int | None = None) -> list[tuple[Outcome, bool]]:
-    """Simulate rows of a table anew: the new rows, and whether they agree with the old ones in everything, to the bit.
+def again(stored: Sequence[Outcome], motion: Motion, workers: int | None = None) -> list[tuple[Outcome, str]]:
+    """Simulate rows of a table anew: the new rows, and how they agree with the old ones.
 
     Args:
         stored: rows of the table.
@@ -171,4 +172,12 @@ def again(stored: Sequence[Outcome], motion: Motion, workers: int | None = None)
     ]
     found = {point: Outcome(**row) for point, row in computed(of, Trial(motion), workers)}
     new = [found[point] for point in of]
-    return [(now, replace(now, version=then.version) == then) for now, then in zip(new, stored, strict=True)]
+    return [(now, _agreement(now, then)) for now, then in zip(new, stored, strict=True)]
+
+
+def _agreement(now: Outcome, then: Outcome) -> str:
+    """In everything, or else in motion, outcome and the clearance where it crossed."""
+    if (now.motion, now.success) != (then.motion, then.success):
+        return NO
+    same = replace(now, version=then.version) == then
+    return agreement(same, now.clearance * now.success, then.clearance * then.success, room=CLOSE)

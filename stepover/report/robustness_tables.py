@@ -54,11 +54,11 @@ def failures_table(rows: Sequence[Outcome]) -> Table:
     return table("draw | robot | failed at [s] | reason", failed or [("none", "-", "-", "-")])
 
 
-def agreement_table(compared: Sequence[tuple[Outcome, bool]]) -> Table:
+def agreement_table(compared: Sequence[tuple[Outcome, str]]) -> Table:
     """Rows made anew, and whether they agree with the stored ones."""
     lines = [
         (row.draw, EQUIPPED[row.stabilizer], "crossed" if row.success else f"failed at {row.failure_time:.3f} s",
-         1e3 * row.clearance, row.state[:12], "yes" if agrees else "no")
+         1e3 * row.clearance, row.state[:12], agrees)
         for row, agrees in compared
     ]  # fmt: skip
     return table("draw | robot | now | clearance [mm] | hash of all states, now | agrees with the table", lines)

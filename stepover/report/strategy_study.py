@@ -20,6 +20,7 @@ from stepover.model.robot import Robot
 from stepover.motion import Motion
 from stepover.planner import plan_in_detail
 from stepover.quasi_static import quasi_static_in_detail
+from stepover.report.agreement import CLOSE, NO, agreement
 from stepover.report.strategies import strategy
 from stepover.report.studies import Row, make_table, read_rows, robot_of, rounded, stored_table
 from stepover.report.tables import Table, table
@@ -149,12 +150,14 @@ def read_table(path: Path | None = None) -> list[Crossed]:
 
 
 def again(rows: Sequence[Crossed], point: Point) -> tuple[Crossed, str]:
-    """Plan, and carry out, a crossing anew: the row, and whether it agrees with the stored one."""
+    """Plan, and carry out, a crossing anew: the row, and how it agrees with the stored one."""
     new = Crossed(**cross(point))
-    names = ["motion"] + ["crossed", "simulated_clearance"] * point.physics
     for row in rows:
         if (row.robot, row.height, row.width, row.epsilon) == (new.robot, new.height, new.width, new.epsilon):
-            return new, "yes" if all(getattr(new, name) == getattr(row, name) for name in names) else "no"
+            if new.motion != row.motion or (point.physics and new.crossed != row.crossed):
+                return new, NO
+            now, then = new.simulated_clearance, row.simulated_clearance
+            return new, agreement(not point.physics or now == then, now, then, room=CLOSE)
     return new, "not in the table"
 
 

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from stepover.report.agreement import CLOSE, NO, agreement
 from stepover.report.tables import Table, table
 from stepover.report.trials import HEIGHT, UNDISTURBED, Outcome, Trial, carry_out
 from stepover.simulation.measurements import Run
@@ -109,9 +110,16 @@ def agreement_table(rows: Sequence[Outcome], trials: Sequence[Trial]) -> Table:
     for trial in trials:
         new = Outcome(**carry_out(trial))
         old = next((row for row in rows if _key(row) == _key(new)), None)
-        agrees = "not in the table" if old is None else "yes" if old.state == new.state else "no"
+        agrees = "not in the table" if old is None else _agreement(new, old)
         lines.append((trial.name, _ended(new), (new.state or "")[:12], agrees))
     return table("trial | now | hash of all states, now | agrees with the table", lines)
+
+
+def _agreement(new: Outcome, old: Outcome) -> str:
+    """By the states, or else by motion, outcome and clearance."""
+    if (new.motion, new.crossed) != (old.motion, old.crossed):
+        return NO
+    return agreement(new.state == old.state, new.clearance, old.clearance, room=CLOSE)
 
 
 def _key(row: Outcome) -> tuple[object, ...]:
