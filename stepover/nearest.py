@@ -11,7 +11,7 @@ from stepover.model.obstacle import Obstacle
 
 SMALLEST = 0.02
 """Height or width [m] at which the search ends."""
-RESOLUTION = 0.005
+RESOLUTION = 0.002
 """How finely it looks [m]."""
 
 

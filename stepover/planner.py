@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import time
+from typing import Any
 
 import numpy as np
 
@@ -77,9 +78,8 @@ def plan_in_detail(
         found = _first(mover, obstacle, keys, _efforts(mover, arms, extras, speed_limits), speed_limits)
     except Infeasible as error:
         if error.nearest is None and look_for_nearest:
-            error.nearest = nearest_crossable(
-                obstacle, lambda other: _crossable(robot, other, arms, speed_limits, extras)
-            )
+            options: dict[str, Any] = {"arms": arms, "speed_limits": speed_limits, "extras": extras}
+            error.nearest = nearest_crossable(obstacle, lambda other: _crossable(robot, other, options))
         raise
     total = time.perf_counter() - start
     times = {"feasibility": feasibility_time, "trajectories": total - feasibility_time, "total": total}
@@ -171,20 +171,17 @@ def _first(
     keys: list[KeyConfiguration],
     efforts: list[Effort],
     speed_limits: str,
-    every: int = 1,
 ) -> Plan:
     """The plan for the first effort and key configuration that work; else what the last effort lacks least.
 
     An adapted leg that still collides came further than one that does not reach.
     Where a sole is out of reach, a waist that is not lower by as much will not do either, nor with a longer step.
     """
-    search, nearest = robot.feasibility, keys[0]
+    tried = [key for key in keys if _whole((key.x_ads - keys[0].x_ads) / robot.feasibility.step_length_more_step)]
     for effort in efforts:
         highest, errors = np.inf, []
-        for key in keys:
-            longer = (key.x_ads - nearest.x_ads) / (every * search.step_length_more_step)
-            lower = (nearest.z_hds - key.z_hds) / (every * search.waist_height_step)
-            if key.z_hds > highest or abs(longer - round(longer)) > 1e-6 or abs(lower - round(lower)) > 1e-6:
+        for key in tried:
+            if key.z_hds > highest:
                 continue
             try:
                 found = algorithm_1(robot, obstacle, key, effort)
@@ -200,16 +197,18 @@ def _first(
     raise min(errors, key=lambda error: (isinstance(error, OutOfReach), error.short))
 
 
-def _crossable(robot: Robot, obstacle: Obstacle, arms: str, speed_limits: str, extras: bool) -> bool:
-    """Whether the obstacle can be planned; looks at every second key configuration and not at every effort."""
+def _crossable(robot: Robot, obstacle: Obstacle, options: dict[str, Any]) -> bool:
+    """Whether the obstacle can be planned."""
     try:
-        mover = robot.slowed if speed_limits == "respect" else robot
-        efforts = _efforts(mover, arms, extras, speed_limits)
-        keys = key_configurations(mover, obstacle)
-        _first(mover, obstacle, keys, [efforts[0], *efforts[2:]], speed_limits, every=2)
+        plan_in_detail(robot, obstacle, **options, look_for_nearest=False)
     except Infeasible:
         return False
     return True
+
+
+def _whole(number: float) -> bool:
+    """Whether a number is whole, but for rounding."""
+    return abs(number - round(number)) < 1e-6
 
 
 def _footsteps(sequence: StepSequence) -> np.ndarray:

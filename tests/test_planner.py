@@ -275,11 +275,14 @@ def test_wider_margins_are_kept(robot):
 
 
 @pytest.mark.parametrize(
-    ("obstacle", "constraint"),
-    [(Obstacle(0.9, 0.05), r"LEG_LINK\d is \d+\.\d mm inside"), (Obstacle(0.15, 0.9), r"longest is 0\.600 m")],
+    ("obstacle", "way", "constraint"),
+    [
+        (Obstacle(0.9, 0.05), "height", r"LEG_LINK\d is \d+\.\d mm inside"),
+        (Obstacle(0.15, 0.9), "width", r"longest is 0\.600 m"),
+    ],
     ids=["high", "wide"],
 )
-def test_what_cannot_be_crossed_names_the_constraint_and_the_nearest_that_can(coarse, obstacle, constraint):
+def test_what_cannot_be_crossed_names_the_constraint_and_the_nearest_that_can(coarse, obstacle, way, constraint):
     with pytest.raises(Infeasible, match=constraint) as caught:
         plan(coarse, obstacle, arms="off", extras=False)
     nearest = caught.value.nearest
@@ -291,6 +294,9 @@ def test_what_cannot_be_crossed_names_the_constraint_and_the_nearest_that_can(co
     motion = plan_in_detail(coarse, nearest, arms="off", extras=False, look_for_nearest=False).motion
     assert measure(coarse, motion).clearance_min >= 0.030
     assert "\n" not in str(caught.value)
+    more = {name: getattr(nearest, name) + 0.003 * (name == way) for name in ("height", "width")}
+    with pytest.raises(Infeasible):
+        plan_in_detail(coarse, Obstacle(**more), arms="off", extras=False, look_for_nearest=False)
 
 
 def test_too_near_names_the_distance_that_does(robot):
