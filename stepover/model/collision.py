@@ -221,14 +221,13 @@ def _convex(vertices: np.ndarray) -> coal.Convex:
 
 def _edge_directions(hull: ConvexHull) -> np.ndarray:
     """Unit directions (E, 3) of a hull's edges, one each for parallel ones; diagonals of flat faces left out."""
-    directions: list[np.ndarray] = []
-    for triangle, neighbours, plane in zip(hull.simplices, hull.neighbors, hull.equations, strict=True):
-        for k, neighbour in enumerate(neighbours):
-            first, second = np.delete(triangle, k)
-            if np.dot(plane[:3], hull.equations[neighbour][:3]) > 1.0 - 1e-9:
-                continue
-            direction = hull.points[second] - hull.points[first]
-            direction = direction / np.linalg.norm(direction)
-            if all(abs(direction @ other) < 1.0 - 1e-9 for other in directions):
-                directions.append(direction)
-    return np.array(directions)
+    corners = hull.points[hull.simplices[:, [[1, 2], [0, 2], [0, 1]]]]  # (T, 3, 2, 3), of the edge across each corner
+    normals = hull.equations[:, :3]
+    bent = np.einsum("ta,tka->tk", normals, normals[hull.neighbors]) <= 1.0 - 1e-9
+    edges = (corners[:, :, 1] - corners[:, :, 0])[bent]
+    edges /= np.linalg.norm(edges, axis=1, keepdims=True)
+    found = np.empty((0, 3))
+    while len(edges):
+        found = np.vstack([found, edges[:1]])
+        edges = edges[np.abs(edges @ edges[0]) < 1.0 - 1e-9]
+    return found
