@@ -140,11 +140,15 @@ def _along_edges(corners: np.ndarray, edges: np.ndarray, rectangle: np.ndarray) 
     """Largest separation (n,) over the normals of projected edges (2, E, n), of corners (2, V, n) and (4, n)."""
     lengths = np.hypot(*edges)
     normal_x, normal_z = edges[::-1] * [[[1.0]], [[-1.0]]] / np.maximum(lengths, 1e-9)
-    along = normal_x[:, None] * corners[0] + normal_z[:, None] * corners[1]  # (E, V, n)
+    lowest, highest = np.full((2, *lengths.shape), [[[np.inf]], [[-np.inf]]])
+    for x, z in corners.swapaxes(0, 1):  # one by one: (E, V, n) of a fine mesh would fill the memory
+        along = normal_x * x + normal_z * z
+        np.minimum(lowest, along, out=lowest)
+        np.maximum(highest, along, out=highest)
     x_min, x_max, z_min, z_max = rectangle
     centre = (normal_x * (x_min + x_max) + normal_z * (z_min + z_max)) / 2.0
     reach = (np.abs(normal_x) * (x_max - x_min) + np.abs(normal_z) * (z_max - z_min)) / 2.0
-    apart = np.maximum(along.min(axis=1) - centre, centre - along.max(axis=1)) - reach
+    apart = np.maximum(lowest - centre, centre - highest) - reach
     return np.where(lengths > 1e-6, apart, -np.inf).max(axis=0)
 
 
