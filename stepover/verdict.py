@@ -28,7 +28,8 @@ class Measures:
         zmp_error_max: largest single error after the filter, x, y [m].
         zmp_margin_min: smallest distance of the ZMP from the edge of the support polygon [m].
         clearance_min, clearance_link, clearance_time: smallest signed distance from the bare obstacle [m].
-        joint_margin_min, joint_margin_joint: smallest distance to a joint limit [rad].
+        joint_margin_min, joint_margin_joint: smallest distance of a joint that moves to its limit [rad]; one that
+            stands still at its limit, as a finger may, counts only beyond it.
         joint_speed_ratio_max, joint_speed_joint: largest joint speed over its limit.
         com_travel_double_support: way of the CoM in the double support over the obstacle, x [m].
         com_acceleration_ratio_max: largest vertical acceleration of the CoM over g.
@@ -59,7 +60,8 @@ def measure(robot: Robot, motion: Motion) -> Measures:
     nearest = clearance(robot.shapes, body.placements(motion.q), motion.bare_obstacle)
     angles = motion.q[:, 7:]
     limits = np.minimum(angles - body.lower, body.upper - angles)
-    tightest = np.unravel_index(limits.argmin(), limits.shape)
+    telling = (np.ptp(angles, axis=0) > 0.0) | (limits.min(axis=0) < 0.0)
+    tightest = np.unravel_index(np.where(telling, limits, np.inf).argmin(), limits.shape)
     fastest = speed_ratio(robot, motion)
     first, over, second = (motion.samples(phase) for phase in (1, 2, 3))
     return Measures(

@@ -134,6 +134,16 @@ def test_measures_name_what_is_tightest(robot, motion):
     assert found.joint_speed_ratio_max == pytest.approx(np.radians(44.9) / (2.0 * motion.dt) / 6.88)
 
 
+@pytest.mark.parametrize(("off", "joint"), [(0.0, "HEAD_JOINT0"), (0.5, "HEAD_JOINT1")])
+def test_a_joint_that_stands_still_counts_only_beyond_its_limit(robot, motion, off, joint):
+    tight = with_angle(robot, motion, "HEAD_JOINT0", 700, 44.9)
+    column = robot.body.column("HEAD_JOINT1")
+    tight.q[:, column] = robot.body.lower[column - 7] - np.radians(off)
+    found = measure(robot, tight)
+    assert found.joint_margin_joint == joint
+    assert found.joint_margin_min == pytest.approx(np.radians(-off or 0.1), abs=1e-6)
+
+
 def test_measured_clearance_is_signed(robot, motion):
     row = motion.obstacle.copy()
     row[2] = 0.25
