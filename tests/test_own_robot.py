@@ -213,6 +213,15 @@ def test_meshes_of_a_package_are_found_above_the_urdf(tmp_path):
         find_mesh("package://thing_description/meshes/b.obj", urdf)
 
 
+def test_a_mirrored_mesh_is_mirrored_once(tmp_path):
+    whole = changed(tmp_path)
+    mirrored = changed(tmp_path, scale=('shank_left_calf.obj"', 'shank_left_calf.obj" scale="-2 1 1"'))
+    calf, other = (shapes_under(robot, "LLEG_JOINT3") for robot in (whole, mirrored))
+    calf, other = (corners[corners[:, 2] < -0.2] for corners in (calf, other))
+    assert other[:, 0].min() == pytest.approx(-2.0 * calf[:, 0].max())
+    assert other[:, 0].max() == pytest.approx(-2.0 * calf[:, 0].min())
+
+
 def test_a_joint_that_the_urdf_lacks_is_named(tmp_path):
     with pytest.raises(InvalidInput, match="has no joint 'RLEG_JOINT5'"):
         changed(tmp_path, joint=('"RLEG_JOINT5"', '"other_name"'))

@@ -63,7 +63,7 @@ def shapes_of(body: Body) -> list[Shape]:
     """Convex shapes of all links of the URDF, in its order."""
     shapes = []
     for item in body.geometry.geometryObjects:
-        vertices = _corners(item.geometry, item.name) * np.ravel(item.meshScale)
+        vertices = _corners(item.geometry, item.name)
         vertices = vertices @ item.placement.rotation.T + item.placement.translation
         hull = ConvexHull(vertices)
         vertices = vertices[hull.vertices]
