@@ -144,5 +144,5 @@ def test_what_is_wider_than_a_step_names_both_lengths(robot):
 
 def test_knees_that_must_stay_bent_too_much_are_named(robot, obstacle):
     stiff = dataclasses.replace(robot, feasibility=dataclasses.replace(robot.feasibility, knee_margin_deg=120.0))
-    with pytest.raises(Infeasible, match="knees 120 degrees"):
+    with pytest.raises(Infeasible, match="a knee is nearer to straight than 120 degrees"):
         key_configurations(stiff, obstacle)

@@ -84,7 +84,7 @@ def key_configurations(robot: Robot, obstacle: Obstacle, leading: int = -1) -> l
     if not found:
         tables, *grids = zip(*judged, strict=True)
         everything = LegCheck(*(np.concatenate(part) for part in zip(*tables, strict=True)))
-        raise Infeasible(_why_not(robot, everything, *(np.concatenate(grid) for grid in grids)))
+        raise Infeasible(_why_not(robot, everything, yaw, *(np.concatenate(grid) for grid in grids)))
     return found
 
 
@@ -95,17 +95,24 @@ def key_postures(
 
     The rear ankle stands at x = 0. A positive yaw brings the right hip ahead: the right leg is the front one then.
     """
+    waist, soles = _stance(robot, x_ads, x_hds, z_hds, yaw)
+    ahead = np.outer(front_face(robot, obstacle, x_ads), [1.0, 1.0, 0.0, 0.0])
+    rectangles = obstacle.profile(0.0, margins=True) + ahead
+    knee_margin = np.radians(robot.feasibility.knee_margin_deg)
+    return check_legs(robot, waist, soles[1], soles[-1], rectangles, knee_margin, up_to=robot.feasibility.spare)
+
+
+def _stance(
+    robot: Robot, x_ads: np.ndarray, x_hds: np.ndarray, z_hds: np.ndarray, yaw: float
+) -> tuple[np.ndarray, dict[int, np.ndarray]]:
+    """Waist (N, 7) and sole (N, 7) of each side for key configurations, (N,) each."""
     leading = -1 if yaw >= 0.0 else 1
     zero = np.zeros_like(x_ads)
     soles = {
         side: pose(np.column_stack([x, zero + side * robot.posture.feet_apart / 2.0, zero]))
         for side, x in ((leading, x_ads), (-leading, zero))
     }
-    waist = pose(np.column_stack([x_hds, zero, z_hds]), yaw)
-    ahead = np.outer(front_face(robot, obstacle, x_ads), [1.0, 1.0, 0.0, 0.0])
-    rectangles = obstacle.profile(0.0, margins=True) + ahead
-    knee_margin = np.radians(robot.feasibility.knee_margin_deg)
-    return check_legs(robot, waist, soles[1], soles[-1], rectangles, knee_margin, up_to=robot.feasibility.spare)
+    return pose(np.column_stack([x_hds, zero, z_hds]), yaw), soles
 
 
 def front_face(robot: Robot, obstacle: Obstacle, x_ads: np.ndarray) -> np.ndarray:
@@ -114,13 +121,13 @@ def front_face(robot: Robot, obstacle: Obstacle, x_ads: np.ndarray) -> np.ndarra
     return x_ads - heel - obstacle.margin_width - obstacle.width
 
 
-def _why_not(robot: Robot, postures: LegCheck, x_ads: np.ndarray, z_hds: np.ndarray) -> str:
+def _why_not(robot: Robot, postures: LegCheck, yaw: float, x_ads: np.ndarray, z_hds: np.ndarray) -> str:
     """Name the constraint that binds at the posture that comes nearest to feasible."""
     search = robot.feasibility
     able = (postures.reach <= 0.0) & (postures.limit >= 0.0)
     if not able.any():
-        step = f"no step of {x_ads[0]:.3f} m or more"
-        return f"no key configuration: {step} with knees {search.knee_margin_deg:.0f} degrees from straight"
+        why = _tightest(robot, postures, yaw, x_ads, z_hds)
+        return f"no key configuration: no step of {x_ads[0]:.3f} m or more: {why}"
     best = int(np.argmax(np.where(able, postures.separation, -np.inf)))
     link = leg_shapes(robot)[postures.shape[best]].link
     depth = 1e3 * (search.spare - postures.separation[best])
@@ -128,3 +135,23 @@ def _why_not(robot: Robot, postures: LegCheck, x_ads: np.ndarray, z_hds: np.ndar
         f"no key configuration: at the best posture (X_ads {x_ads[best]:.3f} m, Z_hds {z_hds[best]:.3f} m) "
         f"{link} is {depth:.1f} mm inside the obstacle with its margins and {1e3 * search.spare:.0f} mm to spare"
     )
+
+
+def _tightest(robot: Robot, postures: LegCheck, yaw: float, x_ads: np.ndarray, z_hds: np.ndarray) -> str:
+    """Name the joint that is past its limit, or its margin from straight, where the legs come nearest to it."""
+    search = robot.feasibility
+    if (postures.reach > 0.0).all():
+        return f"out of reach down to a waist height of {z_hds.min():.3f} m"
+    best = int(np.argmax(np.where(postures.reach <= 0.0, postures.limit, -np.inf)))
+    x, z = x_ads[[best]], z_hds[[best]]
+    waist, soles = _stance(robot, x, search.delta_ds * x, z, yaw)
+    worst: list[tuple[float, str]] = []
+    for side, sole in soles.items():
+        leg = robot.leg(side)
+        angles, columns = leg.attempt(waist, sole)[0][0], np.array(leg.columns) - 7
+        left = np.minimum(angles - robot.body.lower[columns], robot.body.upper[columns] - angles)
+        worst += list(zip(left.tolist(), leg.joints, strict=True))
+    least, joint = min(worst)
+    if least >= 0.0:
+        return f"a knee is nearer to straight than {search.knee_margin_deg:g} degrees"
+    return f"{joint} is {-np.degrees(least):.1f} degrees past its limit at the best posture"
