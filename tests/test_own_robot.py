@@ -14,13 +14,14 @@ import pytest
 from conftest import HRP2, as_toml
 from scipy.spatial import ConvexHull
 
-from stepover import InvalidInput, Obstacle, load_robot, plan, simulate
+from stepover import Infeasible, InvalidInput, Obstacle, load_robot, plan, simulate
 from stepover.model.body import Body
 from stepover.model.files import data_folder, find_mesh, find_urdf
 from stepover.report.delta_ds import delta_ds_stepping_over
 from stepover.simulation.description import Description
 from stepover.simulation.engine import load_body, pybullet, silenced
 from stepover.simulation.rigid import merge_fixed
+from stepover.units.feasibility import key_configurations
 
 JVRC1 = data_folder() / "jvrc1"
 needs_jvrc1 = pytest.mark.skipif(
@@ -246,5 +247,25 @@ def test_a_joint_without_limits_is_named(tmp_path):
 def test_a_sole_that_is_not_flat_or_not_on_the_floor_is_named(spoilt):
     with pytest.raises(InvalidInput, match=r"'LLEG_JOINT5' is turned by 4\.0 degrees"):
         load_robot(spoilt({("posture", "angles_deg", "LLEG_JOINT4"): -20.0}))
-    with pytest.raises(InvalidInput, match=r"is at z = 21\.3 mm; check waist_height"):
+    with pytest.raises(InvalidInput, match=r"is at z = 21\.3 mm; check waist_height.* waist_height of 0\.6487"):
         load_robot(spoilt({("posture", "waist_height"): 0.67}))
+
+
+@pytest.mark.parametrize(
+    ("where", "value", "message"),
+    [
+        (("posture", "angles_deg", "HEAD_JOINT1"), -31.0, r"'HEAD_JOINT1' stands at -31\.0 degrees.*-30\.0 to 45\.0"),
+        (("foot", "contact_x"), [-96.0, 126.0], r"contact_x = \[-96\.0, 126\.0\] must lie between heel and toe, in m"),
+        (("legs", "knee"), ["RLEG_JOINT2", "LLEG_JOINT3"], "'RLEG_JOINT2' is no knee: .*'RLEG_JOINT3', 'LLEG_JOINT3'"),
+        (("upper_body", "shoulders"), [], "must be a list of one value or more"),
+    ],
+)
+def test_what_no_robot_can_be_is_named(spoilt, where, value, message):
+    with pytest.raises(InvalidInput, match=message):
+        load_robot(spoilt({where: value}))
+
+
+def test_the_joint_that_forbids_every_key_configuration_is_named(spoilt):
+    turned = load_robot(spoilt({("feasibility", "waist_yaw_deg"): 50.0}))
+    with pytest.raises(Infeasible, match=r"[LR]LEG_JOINT0 is \d+\.\d degrees past its limit"):
+        key_configurations(turned, Obstacle(0.05, 0.05))

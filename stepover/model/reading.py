@@ -92,7 +92,8 @@ def _value(hint: Any, raw: Any, where: str, key: str) -> Any:
     if get_origin(hint) is tuple:
         inner = get_args(hint)
         if not isinstance(raw, list) or not raw or (Ellipsis not in inner and len(raw) != len(inner)):
-            raise InvalidInput(f"{where} = {raw!r} must be a list of {'values' if Ellipsis in inner else len(inner)}")
+            wanted = "one value or more" if Ellipsis in inner else f"{len(inner)}"
+            raise InvalidInput(f"{where} = {raw!r} must be a list of {wanted}")
         return tuple(_value(inner[0], item, where, key) for item in raw)
     if get_origin(hint) is types.MappingProxyType:
         if not isinstance(raw, dict):

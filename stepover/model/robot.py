@@ -100,8 +100,24 @@ class Robot:
         for knee in self.legs.knee:
             if knee not in (*self.legs.left, *self.legs.right):
                 raise InvalidInput(f"legs.knee: {knee!r} is in neither leg")
+            if knee not in (bends := [leg[3] for leg in (self.legs.right, self.legs.left)]):
+                raise InvalidInput(f"legs.knee: {knee!r} is no knee: the fourth joints of the legs are {bends}")
+        self._require_possible()
         if self.feasibility.waist_height_min >= self.posture.waist_height:
             raise InvalidInput("feasibility.waist_height_min must be less than posture.waist_height")
+
+    def _require_possible(self) -> None:
+        """Refuse a half-sitting beyond joint limits, and lengths that no other length of the robot agrees with."""
+        angles = np.degrees(self._half_sitting[7:])
+        lower, upper = np.degrees(self.body.lower), np.degrees(self.body.upper)
+        for k in np.flatnonzero((angles < lower - 1e-6) | (angles > upper + 1e-6)):
+            raise InvalidInput(
+                f"posture.angles_deg: {self.body.joint_names[k]!r} stands at {angles[k]:.1f} degrees "
+                f"in half-sitting, its range is {lower[k]:.1f} to {upper[k]:.1f}"
+            )
+        (back, front), foot = self.foot.contact_x, self.foot
+        if back < -foot.heel or front > foot.toe:
+            raise InvalidInput(f"foot.contact_x = {[back, front]} must lie between heel and toe, in m")
 
     def _require_standing(self, side: int) -> None:
         """Refuse a half-sitting in which a sole does not lie on the floor: it is seen from the last joint's frame."""
@@ -112,7 +128,11 @@ class Robot:
         if tilt > FLAT:
             raise InvalidInput(f"{where} is turned by {tilt:.1f} degrees from x ahead and z up; angles must cancel")
         if abs(place[2]) > ON_FLOOR:
-            raise InvalidInput(f"{where} is at z = {1e3 * place[2]:.1f} mm; check waist_height and foot.ankle_height")
+            wanted = self.posture.waist_height - place[2]
+            raise InvalidInput(
+                f"{where} is at z = {1e3 * place[2]:.1f} mm; check waist_height and foot.ankle_height, in m: "
+                f"with this one a waist_height of {wanted:.6f} puts it on the floor"
+            )
 
     @cached_property
     def urdf_path(self) -> Path:
