@@ -2,12 +2,14 @@
 
 import numpy as np
 import pytest
+from matplotlib.colors import to_rgb
 from PIL import Image
 
 from stepover.errors import InvalidInput
-from stepover.report.figures import crossing_times, save_film
+from stepover.report.figures import crossing_times, save_film, style
 from stepover.simulation import animation
 from stepover.simulation.animation import crossing_frames
+from stepover.simulation.engine import pybullet
 from stepover.simulation.video import acted, furnish, seen, stage
 
 SIZE = (160, 110)
@@ -64,3 +66,14 @@ def test_film(motion, robot, tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["film.gif"]
     with pytest.raises(InvalidInput, match="cannot be written"):
         save_film(motion, pictures, times, tmp_path / "missing", "film")
+
+
+def test_the_legs_have_the_colours_of_the_figures(motion, robot):
+    with stage() as client:
+        next(acted(client, motion, np.array([0.0]), robot))
+        shown = {pybullet.getJointInfo(0, k, client)[1].decode(): k for k in range(pybullet.getNumJoints(0, client))}
+        looks = {shape[1]: shape[7][:3] for shape in pybullet.getVisualShapeData(0, physicsClientId=client)}
+    for joints, colour in ((robot.legs.left, style.LEFT), (robot.legs.right, style.RIGHT)):
+        painted = [looks[shown[joint]] for joint in joints if shown[joint] in looks]
+        assert len(painted) >= 3
+        assert painted == [pytest.approx(to_rgb(colour), abs=2e-3)] * len(painted)

@@ -55,4 +55,4 @@ def test_moments_are_in_their_phases(slow, motion):
         at = moments(one)
         assert (np.diff(at) > 0.0).all()
         samples = np.round(at / one.dt).astype(int)
-        assert one.phase[samples].tolist() == [1, 1, 2, 2, 3, 3, 0]
+        assert one.phase[samples].tolist() == [1, 1, 2, 3, 3, 0]

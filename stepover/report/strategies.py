@@ -96,12 +96,12 @@ def paper_marks(errors: np.ndarray) -> dict[str, tuple[float, float]]:
     return {name: ((known[span] / duration) ** 2, duration) for name, duration, span in asked}
 
 
-SHARES = {1: (0.0, 0.55), 2: (0.0, 0.5, 1.0), 3: (0.45, 1.0)}
+SHARES = {1: (0.0, 0.55), 2: (0.0, 1.0), 3: (0.45, 1.0)}
 """Moments of a crossing, as shares of its phases."""
 
 
 def moments(motion: Motion) -> np.ndarray:
-    """Seven times [s] at which to look at a crossing: the same shares of its phases, however long they last."""
+    """Six times [s] at which to look at a crossing: the same shares of its phases, however long they last."""
     spans = {phase: motion.samples(phase) for phase in SHARES}
     return np.array(
         [

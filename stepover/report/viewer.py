@@ -26,10 +26,12 @@ from stepover.model.robot import Robot
 from stepover.motion import Motion, write_whole
 from stepover.report import viewer_page
 from stepover.report import viewer_scene as scene
+from stepover.report.figures.film import PHASES
 
 ROOT = meshcat.path.Path(("meshcat",))
 BALL = 0.022
-"""m, radius of the ball that runs along a trace; it shines through the robot."""
+"""m, radius of the ball that runs along a trace; what hides it lets it shine through faintly."""
+FAINT = 0.3
 
 
 @dataclass(frozen=True)
@@ -97,7 +99,14 @@ def page(robot: Robot, motion: Motion, time: float | None = None) -> str:
     title = f"{robot.name} steps over an obstacle {height:.3g} cm high, {width:.3g} cm wide"
     viewer = files("meshcat") / "viewer"
     commands = [base64.b64encode(command).decode() for command in recorder.commands]
-    return viewer_page.compose(title, scene.LEGEND, viewer, commands, scene.camera(motion), first, shown - first)
+    return viewer_page.compose(title, scene.LEGEND, viewer, commands, scene.camera(motion), _phases(motion),
+                               first, shown - first)  # fmt: skip
+
+
+def _phases(motion: Motion) -> list[tuple[float, str]]:
+    """When each phase of Sec. II begins, since the first sample [s], and what is shown of it."""
+    begins = [(0, 0), *((motion.samples(phase).start, phase) for phase in (1, 2, 3)), (motion.samples(3).stop, 0)]
+    return [(float(motion.time[sample] - motion.time[0]), PHASES[phase]) for sample, phase in begins]
 
 
 class _Recorder:
@@ -140,8 +149,9 @@ def _(thing: scene.Trace, view: Any) -> None:
     size = scene.TRACE / np.tan(np.radians(scene.LENS / 2.0))  # the viewer draws points as if the lens were 90 degrees
     way = forms.PointsGeometry(points.T, np.tile(shade, (len(points), 1)).T)
     _named(view, f"{thing.name}/way", forms.Points(way, forms.PointsMaterial(float(size))))
-    look = _surface(thing.colour, transparent=True, depthTest=False)
-    _named(view, f"{thing.name}/now", forms.Mesh(forms.Sphere(BALL), look))
+    hidden = _surface(thing.colour, opacity=FAINT, depthTest=False, depthWrite=False)
+    for part, look in (("ball", _surface(thing.colour)), ("hidden", hidden)):
+        _named(view, f"{thing.name}/now/{part}", forms.Mesh(forms.Sphere(BALL), look))
 
 
 def _named(view: Any, name: str, thing: Any) -> None:

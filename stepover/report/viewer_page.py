@@ -27,8 +27,10 @@ PAGE = Template("""<!DOCTYPE html>
   #title i { display: inline-block; width: 11px; height: 11px; margin-right: 5px; border-radius: 2px; }
   #bar { position: absolute; left: 14px; right: 14px; bottom: 12px; display: flex; gap: 10px; align-items: center; }
   #bar input { flex: 1; min-width: 60px; }
-  #bar output { font-variant-numeric: tabular-nums; min-width: 6em; text-align: right; }
+  #bar output { font-variant-numeric: tabular-nums; min-width: 5em; text-align: right; }
+  #phase { min-width: 11em; white-space: nowrap; }
   #bar button { width: 5em; }
+  .dg.main { display: none !important; }  /* the viewer's own controls: ours are below */
   #trouble { position: absolute; left: 14px; top: 40%; color: #b00; }
 </style>
 </head>
@@ -38,6 +40,7 @@ PAGE = Template("""<!DOCTYPE html>
 <div id="bar">
   <button id="play">play</button>
   <input id="scrub" type="range" min="0" max="1" step="0.001" value="0" aria-label="time">
+  <output id="phase"></output>
   <output id="clock"></output>
   <select id="speed" aria-label="speed">
     <option value="1">real time</option><option value="0.5">half</option>
@@ -57,7 +60,8 @@ const viewer = new MeshCat.Viewer(document.getElementById("meshcat-pane"));
 for (const command of $commands)
   viewer.handle_command_bytearray(Uint8Array.from(atob(command), (letter) => letter.charCodeAt(0)));
 
-const [play, scrub, clock, speed] = ["play", "scrub", "clock", "speed"].map((id) => document.getElementById(id));
+const [play, scrub, phase, clock, speed] = ["play", "scrub", "phase", "clock", "speed"].map(
+  (id) => document.getElementById(id));
 const animator = viewer.animator;
 scrub.max = animator.duration;
 function seek(time) {
@@ -67,9 +71,11 @@ function seek(time) {
 scrub.addEventListener("input", () => { animator.pause(); seek(Number(scrub.value)); });
 play.addEventListener("click", () => animator.playing ? animator.pause() : animator.play());
 speed.addEventListener("change", () => { animator.mixer.timeScale = Number(speed.value); });
-function follow() {  // the viewer has a scrubber of its own among its controls: show what holds, whoever moved it
+const phases = $phases;
+function follow() {
   play.textContent = animator.playing ? "pause" : "play";
   if (Number(scrub.value) !== animator.time) scrub.value = animator.time;
+  phase.textContent = phases.findLast(([begins]) => animator.time >= begins - 1e-3)[1];
   clock.textContent = ($begin + animator.time).toFixed(2) + " s";
   requestAnimationFrame(follow);
 }
@@ -95,6 +101,7 @@ def compose(
     viewer: Traversable,
     commands: list[str],
     camera: Camera,
+    phases: list[tuple[float, str]],
     begin: float,
     time: float,
 ) -> str:
@@ -106,6 +113,7 @@ def compose(
         viewer: folder of meshcat's viewer; its program goes into the page, and its licences with it.
         commands: for it, packed, in base64.
         camera: where it is seen from at first.
+        phases: when each begins, since the first sample [s], and its name.
         begin: time of the first sample [s].
         time: shown before it is played, since the first sample [s].
     """
@@ -119,6 +127,7 @@ def compose(
         program=program,
         commands=json.dumps(commands),
         camera=json.dumps({"lens": camera.lens, **places}),
+        phases=json.dumps(phases),
         begin=json.dumps(begin),
         time=json.dumps(time),
     )

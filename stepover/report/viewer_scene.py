@@ -20,8 +20,9 @@ from stepover.report.figures.style import FIRST_STAGE, LEFT, OBSTACLE, PLANNED, 
 RATE = 50.0
 """Poses a second; the browser interpolates between them, and the feet stay where they are to a millimetre."""
 COM, ZMP = FIRST_STAGE, PLANNED
-BODY, FLOOR = "#D6D8DD", ("#F3F4F6", "#DCE0E6")
-LEGEND = {LEFT: "left", RIGHT: "right", COM: "CoM, and its projection", ZMP: "ZMP", OBSTACLE: "obstacle, margin"}
+MARGIN, BODY, FLOOR = "#DB3826", "#D6D8DD", ("#F3F4F6", "#DCE0E6")
+LEGEND = {LEFT: "left", RIGHT: "right", COM: "CoM, and its projection", ZMP: "ZMP", OBSTACLE: "obstacle",
+          MARGIN: "safety margin"}  # fmt: skip
 TILE_SIZE, AROUND = 0.25, (1.0, 1.25)
 """m: size of the floor's tiles, and how far it reaches beyond the way, ahead and aside."""
 DRAWN_HALF_WIDTH = 0.45
@@ -94,8 +95,8 @@ def surroundings(robot: Robot, motion: Motion) -> Iterator[Solid | Lines]:
     if beside > 0.0 or above > 0.0:
         aside -= LIFT
         margin = _box((front - beside, -aside, 0.0), (front + width + beside, aside, height + above))
-        yield Solid("margin/inside", [margin], OBSTACLE, opacity=0.3)
-        yield Lines("margin/edges", _edges(margin), OBSTACLE)
+        yield Solid("margin/inside", [margin], MARGIN, opacity=0.3)
+        yield Lines("margin/edges", _edges(margin), MARGIN)
     for name, side, colour in (("left", 1, LEFT), ("right", -1, RIGHT)):
         for k, sole in enumerate(soles(motion, side)):
             yield from _print(f"soles/{name} {k}", corners_on_floor(robot, side, sole), colour)

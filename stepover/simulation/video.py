@@ -29,6 +29,8 @@ FOLLOW = 0.4
 """s, over which the camera's way is smoothed."""
 AMBER, FLOOR, TILE = (0.98, 0.62, 0.10, 1.0), (0.93, 0.94, 0.95, 1.0), (0.80, 0.83, 0.86, 1.0)
 """Colours: obstacle, floor, and its tiles of TILE_SIZE."""
+LEFT, RIGHT = (0.800, 0.475, 0.655, 1.0), (0.337, 0.706, 0.914, 1.0)
+"""Colours of the legs, as in the figures."""
 TILE_SIZE, DRAWN_HALF_WIDTH = 0.25, 0.45
 """m; the obstacle is drawn less wide along y than it is, so that its near end does not hide the feet."""
 LIGHT = {
@@ -150,6 +152,9 @@ def acted(client: int, source: Run | Motion, times: np.ndarray, robot: Robot | N
     with silenced():
         body = load_body(robot, client)
     index, local = names_of(body, client)[1], local_of(body, client)
+    for names, colour in ((robot.legs.left, LEFT), (robot.legs.right, RIGHT)):
+        for name in names:
+            pybullet.changeVisualShape(body, index[name], rgbaColor=colour, physicsClientId=client)
     joints = [index[name] for name in robot.body.joint_names]
     _, q = _states(source)
     for sample in samples_at(source, times):

@@ -60,11 +60,11 @@ def crossing(robot: Robot, planned: Plan) -> Figure:
     side.legend(loc="upper right")
     time, span = motion.time, support_span(robot, motion)[:, :, 0] - front
     zmp.fill_between(time, span[:, 0], span[:, 1], color=SUPPORT, lw=0, label="support", zorder=0.5)
-    zmp.axhspan(0.0, width, color=OBSTACLE, alpha=0.45, lw=0)
+    zmp.axhspan(0.0, width, color=OBSTACLE, alpha=0.45, lw=0, label="obstacle")
     zmp.plot(time, motion.zmp[:, 0] - front, color=PLANNED, lw=2.0, label="ZMP")
     zmp.plot(time, motion.com[:, 0] - front, color=FIRST_STAGE, label="CoM")
     zmp.set_ylabel("x [m]")
-    zmp.legend(loc="upper left")
+    zmp.legend(loc="upper left", ncols=2, columnspacing=1.0)
     free.plot(time[::EVERY], 1e3 * clearance_over_time(robot, motion, motion.q), color=PLANNED, label="nearest link")
     free.axhline(1e3 * min(beside, above), color=OBSTACLE, ls=":", lw=1.2, label="safety margin")
     free.axhline(0.0, color=OBSTACLE, lw=1.5)
@@ -76,7 +76,8 @@ def crossing(robot: Robot, planned: Plan) -> Figure:
     zmp.set_xticklabels([])
     free.set_xlabel("time [s]")
     numbered(np.array([side, zmp, free]), ["leg 1 over it, double support, leg 2 over it", "ahead", "clearance"])
-    figure.suptitle(f"{_size(height, width)}: {_numbers(planned, found)}", fontsize=9, x=0.01, ha="left")
+    title = textwrap.fill(f"{_size(height, width)}: {_numbers(robot, planned, found)}", 125)
+    figure.suptitle(title, fontsize=9, x=0.01, ha="left")
     return figure
 
 
@@ -99,12 +100,17 @@ def _size(height: float, width: float) -> str:
     return f"{1e2 * height:.3g} cm high, {1e2 * width:.3g} cm wide"
 
 
-def _numbers(planned: Plan, found: Measures) -> str:
-    """What a plan comes to, in two lines of a title."""
-    lowest, arms = planned.motion.waist[:, 2].min(), np.degrees(planned.upper.arm_swing)
+def _numbers(robot: Robot, planned: Plan, found: Measures) -> str:
+    """What a plan comes to, for a title; an adaptation is named where there is one."""
+    lowered = robot.posture.waist_height - planned.motion.waist[:, 2].min()
+    arms, back = np.degrees(planned.upper.arm_swing), planned.adaptation.shift
+    done = {
+        f"waist down by {1e3 * lowered:.0f} mm": lowered > 5e-4,
+        f"arms back by {arms:.0f}°": arms > 0.5,
+        f"trailing foot held back by {1e3 * back:.0f} mm": back > 5e-4,
+    }
     return (
-        f"step {1e2 * planned.key.x_ads:.1f} cm, waist down to {1e2 * lowest:.1f} cm, arms back by {arms:.0f}°, "
-        f"trailing foot held back by {1e3 * planned.adaptation.shift:.0f} mm,\n"
+        ", ".join([f"step {1e2 * planned.key.x_ads:.1f} cm", *(name for name, so in done.items() if so)]) + ", "
         f"clearance {1e3 * found.clearance_min:.1f} mm, ZMP inside the support polygon by "
         f"{1e3 * found.zmp_margin_min:.0f} mm at least"
     )

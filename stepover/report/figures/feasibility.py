@@ -63,7 +63,7 @@ def feasibility_domains(robot: Robot, obstacle: Obstacle, domains: Domains, key:
         Patch(color=FEASIBLE, label="feasible"),
         Patch(color=INFEASIBLE, label="not feasible"),
         Line2D([], [], color=REFERENCE, marker="P", ms=7, mec="white", ls="", label="FU's key configuration"),
-        *_edges({equation: f"({equation})" for equation in NAMES}),
+        *_edges({equation: f"({equation})" for equation in NAMES} | {22: "(7) with (22)"}),
     ]
     figure.legend(handles=handles, loc="outside lower center", ncols=len(handles), columnspacing=1.2)
     return figure
@@ -130,11 +130,18 @@ def key_domains(
     handles.append(Line2D([], [], color=FEASIBLE, lw=1.1, ls="--", label="FU's search"))
     handles.append(Line2D([], [], color="white", marker="o", ms=5.5, mec=REFERENCE, ls="", label="found first"))
     figure.legend(handles=handles, loc="outside lower center", ncols=len(handles), columnspacing=1.2)
+    ended = False
     for number, (name, heights) in enumerate(frontiers.items()):
         colour, possible = (PLANNED, SIMULATED)[number // 2 % 2], np.where(heights > 0.0, heights, np.nan)
         axes[0, 2].plot(1e2 * widths, 1e2 * possible, color=colour, ls="--" if number % 2 else "-", label=name)
+        last = int(np.isfinite(possible).sum()) - 1
+        if 0 <= last < len(widths) - 1:
+            axes[0, 2].plot(1e2 * widths[last], 1e2 * possible[last], color=colour, marker="x", ms=5.0, ls="")
+            ended = True
+    if ended:
+        axes[0, 2].plot([], [], color=REFERENCE, marker="x", ms=5.0, ls="", label="none is wider")
     axes[0, 2].set(xlabel="width of the bare obstacle [cm]", ylabel="highest obstacle [cm]")
-    axes[0, 2].set(xlim=(0.0, None), ylim=(0.0, 56.0))
+    axes[0, 2].set(xlim=(0.0, None), ylim=(0.0, 60.0))
     axes[0, 2].legend(loc="upper right", fontsize=8)
     numbered(axes, [*(f"waist yaw {grid.yaw_deg:.0f}°" for grid in grids), "frontier of FU"])
     return figure
@@ -152,9 +159,8 @@ def _mark(axis: Axes, key: KeyConfiguration) -> None:
 
 
 def _overlay(axis: Axes, domains: Domains) -> None:
-    """Edges of all domains in one plane; what is feasible under (7) is filled."""
+    """Edges of all domains in one plane."""
     x, z = domains.x_ads, domains.z_hds
-    axis.contourf(x, z, domains.masks[7].astype(float), levels=[0.5, 1.5], colors=["#EEEEEE"])
     for equation, (colour, dashes, width) in LINES.items():
         mask = domains.masks[equation].astype(float)
         if mask.any():
@@ -175,8 +181,8 @@ def _draw_biped(axis: Axes, robot: Robot, obstacle: Obstacle, key: KeyConfigurat
     axis.fill([x_min, x_min, x_max, x_max], [0.0, top, top, 0.0], color=OBSTACLE, alpha=0.8)
     corners = [(x_min, 0.0), (x_min, top), (x_max, top), (x_max, 0.0)]
     for number, (x, z) in enumerate(corners, start=1):
-        side = "right" if x == x_min else "left"
-        axis.text(x, z - 0.02, f"$o_{number}$", ha=side, va="top", fontsize=8)
+        side, away = ("right", -3) if x == x_min else ("left", 3)
+        axis.annotate(f"$o_{number}$", (x, z), (away, -3), textcoords="offset points", ha=side, va="top", fontsize=8)
     for start, hip, colour in ((0.0, key.x_hds, LEFT), (key.x_ads, key.x_hds - key.x_ads, PLANNED)):
         lines = leg_lines(biped, planar_leg(biped, np.asarray(hip), np.asarray(key.z_hds)))
         links, *outline = (line + np.array([start, 0.0]) for line in lines)
@@ -193,8 +199,9 @@ def _draw_biped(axis: Axes, robot: Robot, obstacle: Obstacle, key: KeyConfigurat
         )
         for (name, shift), point in zip(names.items(), links, strict=False):
             side = "right" if shift[0] < 0 else "left" if shift[0] > 0 else "center"
+            far = {"arrowstyle": "-", "lw": 0.5, "shrinkA": 0, "shrinkB": 2.5} if abs(shift[0]) > 10 else None
             axis.annotate(f"${name}$", point, shift, textcoords="offset points", fontsize=8, ha=side,
-                          va="center" if shift[0] else "bottom")  # fmt: skip
+                          va="center" if shift[0] else "bottom", arrowprops=far)  # fmt: skip
         for number, middle in zip((1, 2) if rear else (4, 3), (links[:-1] + links[1:]) / 2.0, strict=True):
             axis.annotate(
                 f"$l_{number}$", middle, (5, 2) if number == 3 else (3, -4), textcoords="offset points", fontsize=8

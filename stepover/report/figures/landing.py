@@ -33,6 +33,7 @@ from stepover.units.preview_control import GRAVITY
 
 COLOURS = (PLANNED, SIMULATED, FIRST_STAGE, WAIST, LEFT)
 """Shaped, naive, and others."""
+NOISY_PEAKS = "motors do not yield: peaks of the contact solver"
 DASHES = ("-", "-", "--", ":", "-.")
 
 
@@ -69,7 +70,7 @@ def leg_1_landing(profiles: Mapping[str, Profile], motion: Motion) -> Figure:
     empty.legend([*handles[0::2], *handles[1::2]], [*labels[0::2], *labels[1::2]], loc="center", ncols=2,
                  title=f"swing of leg 1, and its descent at {1e3 * NEAR_FLOOR:.0f} mm")  # fmt: skip
     empty.axis("off")
-    titles = ["height", "the last 60 mm", "vertical speed", "how fast it comes down", "pitch, toe down"]
+    titles = ["height", "the last 60 mm", "vertical speed", "how fast it comes down", "pitch, toe down: > 0"]
     numbered(axes.ravel()[:5], titles)
     return figure
 
@@ -125,7 +126,13 @@ def landing_forces(robot: Robot, landings: Mapping[Point, Landing], paper: Seque
         _levels(axis, robot, paper)
         if variation == NOISY:
             axis.text(
-                0.97, 0.97, "peaks are the solver's", transform=axis.transAxes, ha="right", va="top", fontsize=8.5
+                0.97,
+                0.97,
+                NOISY_PEAKS.replace(": ", ":\n"),
+                transform=axis.transAxes,
+                ha="right",
+                va="top",
+                fontsize=8.5,
             )
         axis.set(xlim=(-150, 250), xlabel="time from touch-down [ms]")
     highest = max(float(landing.force.max()) for landing in landings.values())
@@ -133,7 +140,7 @@ def landing_forces(robot: Robot, landings: Mapping[Point, Landing], paper: Seque
     said = f"floor on foot, mean over {1e3 * AVERAGED:.0f} ms, no other filter; thin: each step of the physics"
     figure.legend(*axes[0, -1].get_legend_handles_labels(), loc="outside lower center", ncols=6, title=said,
                   title_fontsize=9, columnspacing=1.0, handlelength=1.5)  # fmt: skip
-    numbered(axes, variations)
+    numbered(axes, [name if name == NOISY else f"{name}, servos" for name in variations])
     return figure
 
 
@@ -167,7 +174,13 @@ def landing_sensitivity(robot: Robot, rows: Sequence[Landed], paper: Sequence[fl
     axes[0, 0].set_yticks(range(len(names)), names)
     axes[0, 0].set_ylim(len(names) - 0.5, -0.5)
     axes[0, 1].text(
-        0.98, 0.006, "peaks are the solver's", transform=axes[0, 1].transAxes, ha="right", va="bottom", fontsize=8.5
+        0.98,
+        0.006,
+        NOISY_PEAKS,
+        transform=axes[0, 1].transAxes,
+        ha="right",
+        va="bottom",
+        fontsize=8.5,
     )
     figure.legend(*axes[0, 1].get_legend_handles_labels(), loc="outside lower center", ncols=3)
     numbered(axes, [f"touch-down: first {1e3 * TOUCH_DOWN:.0f} ms", "peak"])

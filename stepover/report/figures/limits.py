@@ -15,9 +15,20 @@ from stepover.report.plane import HEIGHTS, WIDTHS
 from stepover.report.stages import Bought
 from stepover.report.sweep import Crossing
 
+METHODS = (
+    "FTA: (1) trailing foot held back, (2) waist raised, (3) ankle pushed away; UBMG: arms back.\n"
+    "Zero is the safety margin; what is refused above it is refused for the lead knee."
+)
+"""What the abbreviations under the bars stand for."""
 BARS = (WAIST, PLANNED, SIMULATED, FIRST_STAGE)
 CROSSED, CROSSED_BEYOND, FAILED, NOT_PLANNED = WAIST, PLANNED, SIMULATED, OBSTACLE
 """What became of an obstacle."""
+READING = (
+    "Numbers: clearance in the physics [mm]. FU: there is no key configuration; "
+    "path: there is one, but no whole motion.\n"
+    "Circles: obstacles of the study between the tiles. Rows and columns are evenly spaced, not to scale."
+)
+IN_BRACKETS = " In brackets: planned, not simulated."
 
 
 @styled
@@ -46,6 +57,7 @@ def clearance_bought(results: Mapping[float, Sequence[Bought]]) -> Figure:
     named = [Patch(color=BARS[k % len(BARS)], label=f"{1e2 * height:g} cm") for k, height in enumerate(results)]
     named.append(Patch(facecolor="white", edgecolor=REFERENCE, hatch="////", label="refused by Algorithm 1"))
     figure.legend(handles=named, loc="outside upper center", ncols=len(named))
+    figure.supxlabel(METHODS, fontsize=8.5)
     return figure
 
 
@@ -94,8 +106,12 @@ def obstacle_plane(rows: Sequence[Crossing]) -> Figure:
         axis.spines[side].set_visible(False)
     named = ((CROSSED, "crossed, the paper's methods"), (CROSSED_BEYOND, "crossed, with what is beyond the paper"),
              (FAILED, "planned, but fell or touched"), (NOT_PLANNED, "refused by the planner"))  # fmt: skip
-    handles = [Patch(facecolor=_shade(colour), lw=0, label=text) for colour, text in named]
-    figure.legend(handles=handles, loc="outside upper center", ncols=2)
+    found = {_fate(row) for row in rows}
+    handles = [Patch(facecolor=_shade(colour), lw=0, label=text) for colour, text in named if colour in found]
+    figure.legend(handles=handles, loc="outside upper center", ncols=3)
+    figure.supxlabel(
+        READING + (IN_BRACKETS if any(row.planned and row.crossed is None for row in rows) else ""), fontsize=8.5
+    )
     return figure
 
 

@@ -10,6 +10,7 @@ from stepover.model.robot import Robot
 from stepover.model.support import corners_on_floor
 from stepover.motion import Motion
 from stepover.report.figures.style import (
+    AXES,
     FIRST_STAGE,
     LEFT,
     OBSTACLE,
@@ -96,16 +97,17 @@ def preview_forms(motion: Motion, kajita: CartMotion, wieber: CartMotion) -> Fig
         zoom.plot(time[near], 1e3 * form.zmp[near, axis_of], color=colour, label=name)
     zoom.plot(time[near], 1e3 * reference[near, axis_of], color=REFERENCE, ls="--", lw=0.9, label="desired")
     zoom.set_ylabel(f"ZMP, {'xy'[axis_of]} [mm]")
-    for axis, name, colour in ((0, "x", WAIST), (1, "y", FIRST_STAGE)):
+    for axis, name in enumerate("xy"):
         difference = 1e3 * (wieber.position - kajita.position)[:, axis]
-        axes[1, 1].plot(time, difference, color=colour, lw=1.0, label=name)
+        axes[1, 1].plot(time, difference, color=AXES[name], lw=1.0, label=name)
     axes[0, 0].set_ylabel("ZMP error, x [mm]")
     axes[1, 0].set_ylabel("ZMP error, y [mm]")
-    axes[1, 1].set_ylabel("(16)-(18) minus [13] [mm]")
+    axes[1, 1].set_ylabel("apart [mm]")
     for axis in (axes[0, 0], axes[1, 0], axes[1, 1]):
         time_axis(np.array([axis]), motion, names="short")
     zoom.set_xlabel("time [s]")
-    numbered(axes, ["error of the ZMP, x", "where they differ most", "error of the ZMP, y", "CoM"])
+    titles = ["error of the ZMP, x", "where they differ most", "error of the ZMP, y", "CoM, Eqs. (16)-(18) minus [13]"]
+    numbered(axes, titles)
     for axis in axes.ravel():
         axis.margins(y=0.25 if axis is not zoom else 0.05)
         axis.legend(loc="upper left" if axis is zoom else "upper right", ncols=1 if axis is zoom else 2)

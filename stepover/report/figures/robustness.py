@@ -54,7 +54,8 @@ def robustness(rows: Sequence[Outcome]) -> Figure:
     for row in grid:
         row[0].set_ylabel("success [%]")
     numbered(axes, ["all draws", *[""] * len(shown)])
-    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside upper center", ncols=3)
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside upper center", ncols=3,
+                  title="bars: Wilson's intervals of 95 %", title_fontsize=9)  # fmt: skip
     return figure
 
 

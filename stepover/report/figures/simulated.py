@@ -12,7 +12,7 @@ from stepover.model.collision import exact_distance, separation
 from stepover.model.robot import Robot
 from stepover.motion import Motion
 from stepover.report.figures.style import (
-    FIRST_STAGE,
+    AXES,
     LEFT,
     OBSTACLE,
     PLANNED,
@@ -51,7 +51,7 @@ def planned_and_simulated(run: Run) -> Figure:
         if axis == 0:
             panel.legend(loc="upper left", ncols=2)
     error = 1e3 * (series.q[:, :3] - motion.waist[: len(series.time), :3])
-    for axis, (name, colour) in enumerate((("x", PLANNED), ("y", FIRST_STAGE), ("z", WAIST))):
+    for axis, (name, colour) in enumerate(AXES.items()):
         axes[2, 0].plot(series.time, error[:, axis], color=colour, lw=1.0, label=name)
     axes[2, 0].set_ylabel("waist error [mm]")
     axes[2, 0].legend(loc="upper left", ncols=3)
@@ -67,16 +67,17 @@ def contact_forces(robot: Robot, run: Run) -> Figure:
     motion, series = run.motion, run.series
     figure, axes = panels(2, 4.2, sharex=True, sharey=True)
     weight = robot.body.mass * GRAVITY
-    feet = (("left", series.left_wrench, LEFT, 1), ("right", series.right_wrench, RIGHT, -1))
-    for axis, (name, wrench, colour, side) in zip(axes[:, 0], feet, strict=True):
-        axis.plot(series.time, wrench[:, 2], color=colour, lw=0.9, label=f"{name} foot")
+    feet = ((series.left_wrench, LEFT, 1), (series.right_wrench, RIGHT, -1))
+    for axis, (wrench, colour, side) in zip(axes[:, 0], feet, strict=True):
+        axis.plot(series.time, wrench[:, 2], color=colour, lw=0.9, label="floor on it")
         axis.axhline(weight, color=REFERENCE, ls="--", lw=0.9, label=f"weight, {weight:.0f} N")
         landed = motion.footsteps[motion.footsteps[:, 1] == side, 0]
         axis.plot(landed, np.zeros_like(landed), color=REFERENCE, marker="^", ls="", ms=5, label="planned touch-down")
         axis.set_ylabel("vertical force [N]")
-        axis.set_ylim(-0.08 * weight, 1.3 * max(wrench[:, 2].max() for _, wrench, _, _ in feet))
+        axis.set_ylim(-0.08 * weight, 1.3 * max(wrench[:, 2].max() for wrench, _, _ in feet))
         axis.legend(loc="upper left", ncols=3)
     time_axis(axes[:, 0], motion)
+    numbered(axes, ["left foot", "right foot"])
     return figure
 
 
@@ -102,14 +103,16 @@ def clearance(robot: Robot, run: Run) -> Figure:
 
 
 @styled
-def strip(frames: Sequence[np.ndarray], times: np.ndarray, columns: int = 5) -> Figure:
-    """Fig. 10: K frames (H, W, 3) taken at times (K,) [s], row by row."""
+def strip(frames: Sequence[np.ndarray], times: np.ndarray, columns: int = 5, names: Sequence[str] = ()) -> Figure:
+    """Fig. 10: K frames (H, W, 3) taken at times (K,) [s], row by row; each row may have a name."""
     rows = -(-len(frames) // columns)
     height = 7.16 / columns * frames[0].shape[0] / frames[0].shape[1]
     figure, axes = panels(rows, rows * (height + 0.03), columns=columns)
     figure.get_layout_engine().set(w_pad=0.015, h_pad=0.015, wspace=0.0, hspace=0.0)  # type: ignore[union-attr,call-arg]
     for axis in axes.ravel():
         axis.set_axis_off()
+    for axis, name in zip(axes[:, 0], names, strict=False):
+        axis.text(-0.04, 0.5, name, transform=axis.transAxes, rotation=90, ha="right", va="center")
     for axis, frame, time in zip(axes.ravel(), frames, times, strict=False):
         axis.imshow(frame)
         axis.text(0.03, 0.96, f"{time:.2f} s", transform=axis.transAxes, va="top", fontsize=9 if columns < 7 else 7.5)
@@ -125,11 +128,11 @@ def failure(robot: Robot, run: Run) -> Figure:
     near = (series.time >= start) & (series.time <= end)
     figure, axes = panels(4, 6.6, sharex=True)
     margin, distance, waist, forces = axes[:, 0]
-    margin.plot(series.time[near], 1e3 * series.zmp_margin[near], color=SIMULATED, label="ZMP to the support's edge")
-    distance.plot(series.time[near], 1e3 * series.clearance[near], color=SIMULATED, label="clearance")
+    margin.plot(series.time[near], 1e3 * series.zmp_margin[near], color=SIMULATED, label="ZMP")
+    distance.plot(series.time[near], 1e3 * series.clearance[near], color=SIMULATED, label="nearest link")
     error = 1e3 * (series.q[:, :3] - run.motion.waist[: len(series.time), :3])[near]
-    for axis, (name, colour) in enumerate((("x", PLANNED), ("y", FIRST_STAGE), ("z", WAIST))):
-        waist.plot(series.time[near], error[:, axis], color=colour, label=f"waist error, {name}")
+    for axis, (name, colour) in enumerate(AXES.items()):
+        waist.plot(series.time[near], error[:, axis], color=colour, label=name)
     for name, wrench, colour in (("left", series.left_wrench, LEFT), ("right", series.right_wrench, RIGHT)):
         forces.plot(series.time[near], wrench[near, 2], color=colour, label=f"{name} foot")
     forces.axhline(robot.body.mass * GRAVITY, color=REFERENCE, ls="--", lw=0.9, label="weight")
@@ -138,11 +141,12 @@ def failure(robot: Robot, run: Run) -> Figure:
         shade_phases(axis, run.motion, "long" if axis is margin else "")
         axis.axvline(series.time[sample], color=REFERENCE, lw=1.2)
         axis.set_ylabel(unit)
-        axis.margins(y=0.3)
-        axis.legend(loc="upper left", ncols=3)
+        axis.margins(y=0.1)
+        axis.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
     for axis in (margin, distance):
         axis.axhline(0.0, color=OBSTACLE, lw=1.2)
     forces.set_xlabel("time [s]")
+    numbered(axes, ["inside the support's edge", "clearance", "waist, simulated minus planned", "floor on the feet"])
     figure.suptitle(textwrap.fill(run.explanation, 125), fontsize=9, x=0.01, ha="left")
     return figure
 

@@ -142,8 +142,13 @@ def duration_over_epsilon(
 
 
 @styled
-def strategies_by_height(lines: Mapping[str, Sequence[Crossed]]) -> Figure:
-    """Clearance and knee torque in the physics by the obstacle's height; a cross where nothing crosses."""
+def strategies_by_height(robot: Robot, lines: Mapping[str, Sequence[Crossed]]) -> Figure:
+    """Clearance and knee torque in the physics by the obstacle's height; a cross where nothing crosses.
+
+    Args:
+        robot: for the limit of its knees' torque.
+        lines: rows by strategy.
+    """
     figure, axes = panels(1, 3.1, columns=2)
     distance, torque = axes[0]
     for (name, rows), colour, marker in zip(lines.items(), (SIMULATED, WAIST), "os", strict=True):
@@ -159,14 +164,31 @@ def strategies_by_height(lines: Mapping[str, Sequence[Crossed]]) -> Figure:
         failed = 1e2 * np.array([row.height for row in rows if not row.crossed])
         distance.plot(failed, np.full(len(failed), 1.5 if marker == "o" else 4.0), color=colour, marker="x", ms=4.5,
                       ls="", label=f"{name}: refused")  # fmt: skip
+    margins = {row.margin for rows in lines.values() for row in rows if row.margin is not None}
+    for k, margin in enumerate(sorted(margins)):
+        distance.axhline(1e3 * margin, color=OBSTACLE, ls=":", lw=1.2, label="" if k else _margins(lines))
+    limit = min(robot.body.effort_limits[robot.body.column(knee) - 7] for knee in robot.legs.knee)
+    torque.axhline(limit, color=OBSTACLE, ls="--", lw=1.2)
+    torque.text(0.02, limit, "limit of the model", transform=torque.get_yaxis_transform(), ha="left",
+                va="bottom", fontsize=8.5)  # fmt: skip
     distance.set(ylabel="distance from obstacle [mm]", ylim=(0.0, 62.0))
     torque.set(ylabel="largest knee torque [N m]", ylim=(0.0, None))
     for axis in axes[0]:
         axis.set(xlabel="height of the bare obstacle [cm]")
         axis.margins(x=0.03)
-    figure.legend(*distance.get_legend_handles_labels(), loc="outside lower center", ncols=2, columnspacing=4.0)
+    handles, names = distance.get_legend_handles_labels()
+    order = [0, 1, 2, 6, 3, 4, 5][: len(names)]  # a column for each strategy
+    figure.legend([handles[k] for k in order], [names[k] for k in order], loc="outside lower center", ncols=2)
     numbered(axes, ["clearance", "knees"])
     return figure
+
+
+def _margins(lines: Mapping[str, Sequence[Crossed]]) -> str:
+    """The margins that each strategy's plans keep, for a legend."""
+    kept = {name: sorted({1e3 * row.margin for row in rows if row.margin is not None}) for name, rows in lines.items()}
+    return "margin kept: " + ", ".join(
+        f"{name} {' or '.join(f'{margin:g}' for margin in margins)} mm" for name, margins in kept.items()
+    )
 
 
 def _rear_ankle(motion: Motion) -> float:

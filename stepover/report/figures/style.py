@@ -24,6 +24,8 @@ FIRST_STAGE = "#E69F00"
 WAIST = "#009E73"
 LEFT, RIGHT = "#CC79A7", "#56B4E9"
 OBSTACLE = "#7F7F7F"
+AXES = {"x": PLANNED, "y": FIRST_STAGE, "z": WAIST}
+"""Of what is drawn along each axis in one panel."""
 SUPPORT = "#00000020"
 PHASES = {1: "#56B4E9", 2: "#000000", 3: "#F0E442"}
 

@@ -10,12 +10,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from stepover.report.figures.style import (
-    FIRST_STAGE,
+    AXES,
     OBSTACLE,
     PLANNED,
     REFERENCE,
     SIMULATED,
-    WAIST,
     numbered,
     panels,
     styled,
@@ -30,20 +29,22 @@ SOLES = {"rigid": ("rigid soles", PLANNED, "s"), "compliant": ("rubber", SIMULAT
 
 @styled
 def stabilized(without: Run, with_it: Run) -> Figure:
-    """ZMP and waist over time, on the same soles without and with the stabilizer."""
+    """ZMP and waist over time, on the same soles without and with the stabilizer; triangles where curves leave."""
     figure, axes = panels(3, 5.6, sharex=True)
-    motion = with_it.motion
+    motion, runs = with_it.motion, ((without, SIMULATED, "without stabilizer"), (with_it, PLANNED, "with it"))
     for axis, column, name in ((axes[0, 0], 0, "x"), (axes[1, 0], 1, "y")):
-        for run, colour, label in ((without, FIRST_STAGE, "without stabilizer"), (with_it, SIMULATED, "with it")):
-            axis.plot(run.series.time, 1e3 * run.series.zmp_error[:, column], color=colour, lw=0.9, label=label)
+        for run, colour, label in runs:
+            _clipped(axis, run.series.time, 1e3 * run.series.zmp_error[:, column], (-130.0, 130.0), colour, label)
         axis.axhline(0.0, color=REFERENCE, lw=0.6)
-        axis.set(ylabel=f"ZMP error {name} [mm]", ylim=(-130.0, 130.0))
-    for run, colour in ((without, FIRST_STAGE), (with_it, SIMULATED)):
-        axes[2, 0].plot(run.series.time, 1e3 * run.series.waist_error, color=colour)
-    axes[2, 0].set(ylabel="waist from plan [mm]", ylim=(0.0, 110.0))
+        axis.set_ylabel(f"ZMP error {name} [mm]")
+    for run, colour, label in runs:
+        _clipped(axes[2, 0], run.series.time, 1e3 * run.series.waist_error, (0.0, 110.0), colour, label)
+        for axis in axes[:, 0] if run.fall_time is not None else ():
+            axis.axvline(run.fall_time, color=colour, lw=0.9, ls=":", label=f"{label}: falls")
+    axes[2, 0].set_ylabel("waist from plan [mm]")
     numbered(axes, ["ZMP minus its plan, ahead", "ZMP minus its plan, sideways", "waist"])
     time_axis(axes[:, 0], motion, names="short")
-    figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
+    figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
     return figure
 
 
@@ -53,7 +54,7 @@ def estimated(run: Run) -> Figure:
     figure, axes = panels(2, 3.6, sharex=True)
     series = run.series
     for axis, errors in ((axes[0, 0], series.waist_believed_error), (axes[1, 0], series.com_believed_error)):
-        for errors_along, colour, name in zip(errors.T, (PLANNED, SIMULATED, WAIST), "xyz", strict=True):
+        for errors_along, (name, colour) in zip(errors.T, AXES.items(), strict=True):
             axis.plot(series.time, 1e3 * errors_along, color=colour, lw=0.9, label=name)
         axis.axhline(0.0, color=REFERENCE, lw=0.6)
         axis.set(ylabel="error [mm]")
@@ -80,8 +81,8 @@ def heights_with_servos(rows: Sequence[Outcome]) -> Figure:
         axis.axhline(1.0, color=OBSTACLE, lw=0.8)
     axes[0, 0].plot([], [], color=REFERENCE, marker="x", ls="", label="failed")
     axes[0, 0].set(ylabel="distance from the obstacle [mm]")
-    axes[0, 1].set(ylabel="over the limit", ylim=(0.0, 1.1))
-    axes[0, 2].set(ylabel="over the limit", ylim=(0.0, None))
+    axes[0, 1].set(ylabel="share of the limit", ylim=(0.0, 1.1))
+    axes[0, 2].set(ylabel="share of the limit", ylim=(0.0, None))
     for axis in axes[0]:
         axis.set(xlabel="height [cm]", xlim=(14.5, 25.5), xticks=range(15, 26, 2))
     numbered(axes, ["clearance", "largest torque", "largest speed"])
@@ -97,3 +98,15 @@ def _by_height(axis: Axes, rows: Sequence[Outcome], value: str, look: Mapping[st
     failed = np.array([not row.crossed for row in rows])
     axis.plot(heights, levels, lw=1.1, **look)
     axis.plot(heights[failed], levels[failed], color=REFERENCE, marker="x", ls="", ms=4.0)
+
+
+def _clipped(axis: Axes, time: np.ndarray, values: np.ndarray, shown: tuple[float, float], colour: str,
+             label: str) -> None:  # fmt: skip
+    """A curve (N,) between two values; a triangle at the edge where it leaves them."""
+    low, high = shown
+    axis.plot(time, values, color=colour, lw=0.9, label=label)
+    axis.set_ylim(low, high)
+    for sign, edge, marker in ((1.0, high, "^"), (-1.0, low, "v")):
+        beyond = np.flatnonzero(sign * (values - edge) > 0.0)
+        for gone in np.split(beyond, np.flatnonzero(np.diff(beyond) > 1) + 1) if len(beyond) else ():
+            axis.plot(time[gone[0]], edge, color=colour, marker=marker, ms=4.5, ls="", clip_on=False, zorder=5)
