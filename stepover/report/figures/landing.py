@@ -33,7 +33,7 @@ from stepover.units.preview_control import GRAVITY
 
 COLOURS = (PLANNED, SIMULATED, FIRST_STAGE, WAIST, LEFT)
 """Shaped, naive, and others."""
-NOISY_PEAKS = "motors do not yield: peaks of the contact solver"
+NOISY_PEAKS = "peaks of the contact solver"
 DASHES = ("-", "-", "--", ":", "-.")
 
 
@@ -128,7 +128,7 @@ def landing_forces(robot: Robot, landings: Mapping[Point, Landing], paper: Seque
             axis.text(
                 0.97,
                 0.97,
-                NOISY_PEAKS.replace(": ", ":\n"),
+                "motors do not yield:\n" + NOISY_PEAKS,
                 transform=axis.transAxes,
                 ha="right",
                 va="top",
@@ -158,7 +158,6 @@ def landing_sensitivity(robot: Robot, rows: Sequence[Landed], paper: Sequence[fl
     swings.sort(key=lambda swing: swing[0] not in (SHAPED, NAIVE))
     figure, axes = panels(1, 0.22 * len(names) + 1.2, columns=2, sharey=True)
     for axis, value in zip(axes[0], ("touch_down", "peak"), strict=True):
-        _levels(axis, robot, paper, vertical=True)
         for number, (swing, colour, marker) in enumerate(zip(swings, COLOURS, "osD^v", strict=True)):
             mine = [row for row in rows if (row.profile, row.swing_time) == swing and not row.fell]
             forces = [getattr(row, value) or np.nan for row in mine]
@@ -166,6 +165,7 @@ def landing_sensitivity(robot: Robot, rows: Sequence[Landed], paper: Sequence[fl
             inside = colour if swing[0] == SHAPED else "white"
             axis.plot(forces, places, color=colour, marker=marker, ms=4.5, mfc=inside, ls="",
                       label=f"{swing[0]}, {swing[1]:g} s")  # fmt: skip
+        _levels(axis, robot, paper, vertical=True)
         for row, (name, before) in enumerate(zip(names[1:], names, strict=False)):
             if VARIATIONS[name].sole != VARIATIONS[before].sole or name == NOISY:
                 axis.axhline(row + 0.5, color=REFERENCE, lw=0.8)

@@ -24,6 +24,8 @@ from stepover.report.trial_tables import by_height
 from stepover.report.trials import Outcome
 from stepover.simulation.measurements import Run
 
+SETTLED = 0.1
+"""When the robot has settled on its soles after the start [s]."""
 SOLES = {"rigid": ("rigid soles", PLANNED, "s"), "compliant": ("rubber", SIMULATED, "o")}
 
 
@@ -50,17 +52,22 @@ def stabilized(without: Run, with_it: Run) -> Figure:
 
 @styled
 def estimated(run: Run) -> Figure:
-    """Where the estimator takes waist and CoM to be, minus where they are."""
-    figure, axes = panels(2, 3.6, sharex=True)
-    series = run.series
-    for axis, errors in ((axes[0, 0], series.waist_believed_error), (axes[1, 0], series.com_believed_error)):
-        for errors_along, (name, colour) in zip(errors.T, AXES.items(), strict=True):
-            axis.plot(series.time, 1e3 * errors_along, color=colour, lw=0.9, label=name)
-        axis.axhline(0.0, color=REFERENCE, lw=0.6)
-        axis.set(ylabel="error [mm]")
-    numbered(axes, ["waist: estimated minus true", "CoM: estimated minus true"])
-    time_axis(axes[:, 0], run.motion, names="short")
-    figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
+    """Where the estimator takes the waist to be, minus where it is; the title says how far the CoM's error is from it.
+
+    Its first value is outside the figure, at a triangle: the robot has not yet settled on its soles then.
+    """
+    figure, axes = panels(1, 2.6)
+    axis, series = axes[0, 0], run.series
+    settled = 1e3 * series.waist_believed_error[series.time > SETTLED]
+    shown = 1.15 * float(np.nanmin(settled)), 1.15 * float(np.nanmax(settled))
+    for errors, (name, colour) in zip(series.waist_believed_error.T, AXES.items(), strict=True):
+        _clipped(axis, series.time, 1e3 * errors, shown, colour, name)
+    axis.axhline(0.0, color=REFERENCE, lw=0.6)
+    axis.set_ylabel("error [mm]")
+    apart = np.nanmax(np.abs(series.com_believed_error - series.waist_believed_error))
+    axis.set_title(f"waist, estimated minus true; the CoM's error is within {np.ceil(1e5 * apart) / 1e2:g} mm of it")
+    time_axis(axes[:, 0], run.motion, names="")
+    figure.legend(*axis.get_legend_handles_labels(), loc="outside lower center", ncols=3)
     return figure
 
 
