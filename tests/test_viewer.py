@@ -28,6 +28,7 @@ from tornado.websocket import websocket_connect
 from stepover.errors import InvalidInput
 from stepover.model import pose
 from stepover.report import viewer_scene as scene
+from stepover.report.figures.film import PHASES
 
 with warnings.catch_warnings():
     warnings.simplefilter("ignore", DeprecationWarning)  # meshcat's, about how it imports zmq
@@ -47,7 +48,7 @@ ASK = """(async () => {
     return [x, -z, y];
   };
   const state = () => ({soles: FEET.map(sole), clock: clock.textContent, scrub: Number(scrub.value),
-                        label: play.textContent});
+                        label: play.textContent, phase: phase.textContent});
   const report = {};
   await wait(0.2);
   report.shown = state();
@@ -65,6 +66,7 @@ ASK = """(async () => {
   await wait(0.2);
   report.later = state();
   report.trouble = document.getElementById("trouble").textContent;
+  report.controls = getComputedStyle(document.querySelector(".dg.main")).display;
   report.loaded = performance.getEntriesByType("resource").map((entry) => entry.name);
   return report;
 })()"""
@@ -313,6 +315,15 @@ class TestBrowser:
         assert report[state]["scrub"] == pytest.approx(moment, abs=1e-3)
         for sole, foot in zip(report[state]["soles"], FEET, strict=True):
             assert sole == pytest.approx(sole_at(motion, foot, moment), abs=1e-3)
+
+    @pytest.mark.parametrize(("state", "moment"), [("shown", SHOWN), ("scrubbed", SCRUBBED)])
+    def test_the_phase_is_named(self, report, motion, state, moment):
+        number = motion.phase[round((moment - motion.time[0]) / motion.dt)]
+        assert number in (1, 3)
+        assert report[state]["phase"] == PHASES[number]
+
+    def test_the_viewers_own_controls_are_hidden(self, report):
+        assert report["controls"] == "none"
 
     def test_play_and_pause(self, report, motion):
         assert [report[state]["label"] for state in ("shown", "scrubbed", "playing", "paused")] == [

@@ -102,11 +102,11 @@ def preview_forms(motion: Motion, kajita: CartMotion, wieber: CartMotion) -> Fig
         axes[1, 1].plot(time, difference, color=AXES[name], lw=1.0, label=name)
     axes[0, 0].set_ylabel("ZMP error, x [mm]")
     axes[1, 0].set_ylabel("ZMP error, y [mm]")
-    axes[1, 1].set_ylabel("apart [mm]")
+    axes[1, 1].set_ylabel("Eqs. (16)-(18) \N{MINUS SIGN} Kajita [mm]")
     for axis in (axes[0, 0], axes[1, 0], axes[1, 1]):
         time_axis(np.array([axis]), motion, names="short")
     zoom.set_xlabel("time [s]")
-    titles = ["error of the ZMP, x", "where they differ most", "error of the ZMP, y", "CoM, Eqs. (16)-(18) minus [13]"]
+    titles = ["error of the ZMP, x", "where they differ most", "error of the ZMP, y", "CoM"]
     numbered(axes, titles)
     for axis in axes.ravel():
         axis.margins(y=0.25 if axis is not zoom else 0.05)
