@@ -6,7 +6,7 @@ obstacle with its margins, X_hds by Eq. (22), over FU's range of X_ads and Z_hds
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -118,6 +118,12 @@ def frontiers(robot: Robot, widths: np.ndarray, grids: Sequence[KeyGrid]) -> dic
         found[f"{yaw}, steps to {grid.x_ads[-1]:g} m"] = frontier(robot, widths, grid)
         found[f"{yaw}, FU's search"] = frontier(robot, widths, grid, grid.searched(robot))
     return found
+
+
+def yaw_gains(limits: Mapping[str, np.ndarray]) -> np.ndarray:
+    """What the turned waist gains over the straight one [m], where that one has any, of frontiers with two grids."""
+    straight, turned = np.split(np.array(list(limits.values())), 2)
+    return np.asarray((turned - straight)[straight > 0.0])
 
 
 def _climb(

@@ -19,8 +19,8 @@ class Strategy:
         whole: duration of the whole motion, from rest to rest [s].
         over: lift-off of leg 1 to touch-down of leg 2 [s].
         double_support: both feet down with the obstacle between them [s].
-        com_travel: way of the CoM's projection in that double support [m].
-        apart: largest distance of the ZMP from the CoM's projection, lift-off of leg 1 to touch-down of leg 2 [m].
+        com_travel: way of the CoM in that double support, x [m].
+        apart: largest distance of the multi-body ZMP from the CoM's projection, lift-off of leg 1 to touch-down of leg 2 [m].
         com_margin: smallest distance of the CoM's projection from the edge of the support polygon in that time,
             negative outside [m].
         zmp_margin: the same of the ZMP [m].
@@ -48,7 +48,7 @@ def strategy(robot: Robot, motion: Motion) -> Strategy:
         whole=float(motion.time[-1] - motion.time[0]),
         over=(second.stop - first.start) * motion.dt,
         double_support=(between.stop - between.start) * motion.dt,
-        com_travel=float(np.linalg.norm(com[between.stop] - com[between.start])),
+        com_travel=float(com[between.stop, 0] - com[between.start, 0]),
         apart=float(np.linalg.norm(zmp - com, axis=1)[crossing].max()),
         com_margin=margins[0],
         zmp_margin=margins[1],
@@ -59,8 +59,8 @@ PAPER = {
     "whole motion [s]": ("40", "-", 1.0, "whole"),
     "lift-off of leg 1 to touch-down of leg 2 [s]": ("40", "3.04 in V, 4 in the abstract", 1.0, "over"),
     "double support over the obstacle [s]": ("15", "0.04", 1.0, "double_support"),
-    "CoM's way in it [mm]": ("-", "5", 1e3, "com_travel"),
-    "ZMP from the CoM's projection, at most [mm]": ("-", "-", 1e3, "apart"),
+    "CoM's way ahead in it [mm]": ("-", "5", 1e3, "com_travel"),
+    "multi-body ZMP from the CoM's projection, at most [mm]": ("-", "-", 1e3, "apart"),
     "CoM's projection inside the support polygon, by [mm]": ("inside", "-", 1e3, "com_margin"),
     "ZMP inside it, by [mm]": ("-", "inside", 1e3, "zmp_margin"),
 }

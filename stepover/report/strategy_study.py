@@ -167,6 +167,15 @@ def over(rows: Sequence[Crossed], height: float, width: float) -> list[Crossed]:
     return sorted(found, key=lambda row: row.epsilon or np.inf)
 
 
+def speed_ups(rows: Sequence[Crossed]) -> dict[float, float]:
+    """How many times longer each quasi-static crossing of an obstacle takes than the dynamic one, by its epsilon [m].
+
+    From the lift-off of leg 1 to the landing of leg 2; rows as over has them.
+    """
+    dynamic = [row.over for row in rows if row.epsilon is None and row.over]
+    return {row.epsilon: row.over / dynamic[0] for row in rows if row.epsilon and row.over and dynamic}
+
+
 def by_height(rows: Sequence[Crossed], epsilon: float | None) -> list[Crossed]:
     """The quasi-static crossings at an epsilon [m], or the dynamic ones, by the obstacle's height."""
     return sorted((row for row in rows if row.epsilon == epsilon), key=lambda row: row.height)
