@@ -20,7 +20,8 @@ class Strategy:
         over: lift-off of leg 1 to touch-down of leg 2 [s].
         double_support: both feet down with the obstacle between them [s].
         com_travel: way of the CoM in that double support, x [m].
-        apart: largest distance of the multi-body ZMP from the CoM's projection, lift-off of leg 1 to touch-down of leg 2 [m].
+        apart: largest distance of the multi-body ZMP from the CoM's projection, lift-off of leg 1 to touch-down of
+            leg 2 [m].
         com_margin: smallest distance of the CoM's projection from the edge of the support polygon in that time,
             negative outside [m].
         zmp_margin: the same of the ZMP [m].
