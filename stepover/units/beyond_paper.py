@@ -1,4 +1,6 @@
-"""What is added beyond the paper, where its own methods do not reach 3 cm: off by default, tried last.
+"""What is added beyond the paper, where its own methods do not keep the margins: tried last.
+
+`plan(..., extras=False)` does without.
 
 The ZMP reference moves inside the sole: towards the rear foot's toe before leg 1 lands, so that the waist comes
 ahead and the lead knee does not over-stretch; towards the front foot's heel after leg 2 has lifted off, so that
