@@ -204,7 +204,7 @@ class TestReproduce:
         ]
         text = (top / "README.md").read_text()
         assert text == f"before\n{START}\n{tally(rows)}\n\n{readme_table(rows)}\n{END}\nafter\n"
-        assert "I; [notebook](notebooks/good.ipynb) |" in text
+        assert "I; `one` in [notebook](notebooks/good.ipynb) |" in text
         first = results(top)
         reproduce(top)
         assert results(top) == first, "a second run gives the same to the byte"

@@ -14,6 +14,7 @@ from stepover.cli import commands
 from stepover.report.claims import read_claims
 from stepover.report.marked import marks
 from stepover.report.reproduce import checkout, parameters_of
+from stepover.report.trials import UNDISTURBED, read_table
 from stepover.report.verdicts import MARK
 
 START, END = marks(MARK)
@@ -68,6 +69,9 @@ def prose(text):
 MARGIN = 100.0 * Obstacle(0.15, 0.05).margin_height
 HIGH = 100.0 * asked("pybullet_25cm", "height")
 CODES = (commands.DONE, commands.BAD_INPUT, commands.INFEASIBLE, commands.NOT_CROSSED)
+SERVOS = [row for row in read_table() if row.name == UNDISTURBED and row.stabilizer]
+FASTEST = max((row for row in SERVOS if row.speed_limits == "ignore"), key=lambda row: row.speed_ratio)
+SLOW = [row for row in SERVOS if row.speed_limits == "respect"]
 TRIED = [100.0 * height for height in asked("adaptation", "heights")]
 STATED = {
     "crosses {} cm, more than a third of its leg": [HIGH],
@@ -77,6 +81,13 @@ STATED = {
     "the CoM travels {} mm, not {}": [measured("com-travel"), PAPER["com-travel"]],
     "takes {} s, not {}, by a tolerance": [measured("quasi-static-time"), PAPER["quasi-static-time"]],
     "Our servos cross {} cm, the real ones stopped at {}": [min(measured("limit-20")), 15.0],
+    "at {} cm on rubber a knee comes to nearly three": [100.0 * FASTEST.height],
+    "it fails from {} cm up": [100.0 * min(row.height for row in SLOW)],
+    "RLEG and LLEG are the legs' links and joints in the URDF: {} is the thigh, {} the knee with the shank, {}": [
+        2,
+        3,
+        5,
+    ],
     "The exit code is {} when it worked, {} for bad input, {} for an obstacle that cannot be crossed (with the "
     "nearest one that can), {} for a robot that fell": CODES,
     "plan the paper's {} cm case": [100.0 * asked("stepover_15cm", "height")],
@@ -131,7 +142,11 @@ def test_no_other_number_stands_in_readme():
 
 
 def test_words_that_are_numbers():
-    """More than a third; halves on rigid soles; a tenth."""
+    """More than a third; halves on rigid soles; a tenth; tenfold; nearly three times its speed limit; none crosses."""
+    assert CLAIMS["speed-up"]["verdict"] == "holds"
+    assert 2.8 < FASTEST.speed_ratio < 3.0
+    assert (FASTEST.sole, FASTEST.speed_joint) == ("compliant", load_robot("hrp2").legs.knee[1])
+    assert not any(row.crossed for row in SLOW)
     assert measured("leg-ratio-25") > 100.0 / 3.0
     assert measured("margin-25") >= 10.0 * MARGIN
     assert measured("impact-ratio") > 0.9

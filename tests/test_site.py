@@ -203,12 +203,15 @@ class TestPages:
 
     def test_a_claim_with_a_bar_in_it_stays_in_its_cell(self):
         row = {"id": "one", "section": "V", "statement": "a | b", "paper": [1.0, 2.0], "unit": "m", "measured": None,
-               "verdict": "differs", "reason": "", "parameters": {"height": 0.15}, "notebook": "x"}  # fmt: skip
+               "verdict": "differs", "reason": "so it is", "parameters": {"height": 0.15}, "notebook": "x",
+               "varies": False, "tolerance": 0.0}  # fmt: skip
         text = claims_page([row])
-        assert r"| [a \| b](#one) | V | 1, 2 m | no number m | differs |".replace(" m | differs", " | differs") in text
+        assert r"| [a \| b](#one) | 1, 2 m | no number | **differs**: so it is | V; [x](notebooks/x.ipynb) |" in text
+        assert "a | b: **differs**: so it is." in text
+        assert "| verdict | **differs** |" in text
         assert "| parameters | height 0.15 |" in text
         assert "| notebook | [x](notebooks/x.ipynb) |" in text
-        assert "reason" not in text
+        assert not re.search(r"\| (reason|varies|tolerance) \|", text)
 
 
 class TestStale:

@@ -14,7 +14,7 @@ import nbformat
 
 from stepover.report.recorder import shown
 from stepover.report.tables import table
-from stepover.report.verdicts import Entry, read_entries
+from stepover.report.verdicts import Entry, judgement, read_entries
 
 FILES = "figures", "data", "bench"
 """Folders that pages link into, and that the site holds at the same place."""
@@ -22,11 +22,14 @@ BESIDE = "LICENSE", "CITATION.cff"
 """Files at the top that pages link to."""
 VIEWS = "crossings"
 WIDGET = "application/vnd.jupyter.widget-view+json"
-SHOWN_ELSEWHERE = ("id", "statement")
+SHOWN_ELSEWHERE = ("id", "statement", "reason")
+SELDOM = ("varies", "tolerance")
+"""Fields of a claim that are left out where they say no or nothing."""
 CLAIMS = """# The claims, in full
 
 What README's table says in short, with everything that [claims.json](figures/claims.json) holds. How each one is
-compared is in [claims.toml](data/claims.toml).
+compared is in [claims.toml](data/claims.toml). A claim leads to its section below, which leads to the notebook; there
+`judged.record("its name", ...)` is the line that records the number.
 """
 CROSSINGS = """# The crossings in 3-D
 
@@ -101,23 +104,26 @@ def claims_page(entries: list[Entry]) -> str:
     """All claims as a table, each linked to a section with everything that is known of it; its id is the anchor."""
     rows = [
         (
-            f"[{row['statement']}](#{row['id']})", row["section"],
-            shown(row["paper"], row["unit"]), shown(row["measured"], row["unit"]), row["verdict"],
+            f"[{row['statement']}](#{row['id']})", shown(row["paper"], row["unit"]),
+            shown(row["measured"], row["unit"]), judgement(row),
+            f"{row['section']}; [{row['notebook']}](notebooks/{row['notebook']}.ipynb)",
         )
         for row in entries
     ]  # fmt: skip
-    overview = table("claim | section | paper | here | verdict", rows)._repr_markdown_()
+    overview = table("claim | paper | here | verdict | where", rows)._repr_markdown_()
     return "\n".join([CLAIMS, overview, *(_claim(row) for row in entries)]) + "\n"
 
 
 def _claim(row: Entry) -> str:
-    """A section on one claim."""
+    """A section on one claim: what it says, what came of it, and everything else as it is stored."""
     links = {"notebook": "notebooks/{}.ipynb", "figure": "figures/{}.png"}
     fields = [
-        (name, f"[{value}]({links[name].format(value)})" if name in links else _plain(value))
-        for name, value in row.items() if name not in SHOWN_ELSEWHERE and value not in (None, "")
+        (name, f"[{value}]({links[name].format(value)})" if name in links
+         else f"**{value}**" if name == "verdict" else _plain(value))
+        for name, value in row.items()
+        if name not in SHOWN_ELSEWHERE and value not in (None, "") and (value or name not in SELDOM)
     ]  # fmt: skip
-    return f"\n## {row['id']}\n\n{row['statement']}.\n\n{table('field | value', fields)._repr_markdown_()}"
+    return f"\n## {row['id']}\n\n{row['statement']}: {judgement(row)}.\n\n{table('field | value', fields)._repr_markdown_()}"
 
 
 def _plain(value: Any) -> str:

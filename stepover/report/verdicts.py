@@ -97,8 +97,8 @@ def readme_table(entries: list[Entry]) -> str:
     """The claims as a table in markdown, narrow enough for a page."""
     rows = [
         (
-            row["statement"], shown(row["paper"], row["unit"]), shown(row["measured"], row["unit"]), _verdict(row),
-            f"{row['section']}; [notebook](notebooks/{row['notebook']}.ipynb)"
+            row["statement"], shown(row["paper"], row["unit"]), shown(row["measured"], row["unit"]), judgement(row),
+            f"{row['section']}; `{row['id']}` in [notebook](notebooks/{row['notebook']}.ipynb)"
             + (f", [figure](figures/{row['figure']}.png)" if row["figure"] else ""),
         )
         for row in entries
@@ -117,7 +117,7 @@ def with_table(readme: Path, entries: list[Entry]) -> str:
     return with_block(readme, MARK, f"{tally(entries)}\n\n{readme_table(entries)}")
 
 
-def _verdict(row: Entry) -> str:
-    """A verdict with its reason; what does not hold stands out."""
-    name = row["verdict"] if row["verdict"] == "holds" else f"**{row['verdict']}**"
+def judgement(row: Entry) -> str:
+    """A verdict with its reason, in markdown; what does not hold stands out."""
+    name = row["verdict"] if row["verdict"] == HOLDS else f"**{row['verdict']}**"
     return f"{name}: {row['reason']}" if row["reason"] else name
