@@ -116,14 +116,12 @@ def claims_page(entries: list[Entry]) -> str:
 
 def _claim(row: Entry) -> str:
     """A section on one claim: what it says, what came of it, and everything else as it is stored."""
-    links = {"notebook": "notebooks/{}.ipynb", "figure": "figures/{}.png"}
-    fields = [
-        (name, f"[{value}]({links[name].format(value)})" if name in links
-         else f"**{value}**" if name == "verdict" else _plain(value))
-        for name, value in row.items()
-        if name not in SHOWN_ELSEWHERE and value not in (None, "") and (value or name not in SELDOM)
-    ]  # fmt: skip
-    return f"\n## {row['id']}\n\n{row['statement']}: {judgement(row)}.\n\n{table('field | value', fields)._repr_markdown_()}"
+    ways = {"notebook": "[{0}](notebooks/{0}.ipynb)", "figure": "[{0}](figures/{0}.png)", "verdict": "**{0}**"}
+    known = {name: value for name, value in row.items() if name not in SHOWN_ELSEWHERE and value not in (None, "")}
+    told = {name: value for name, value in known.items() if value or name not in SELDOM}
+    fields = [(name, ways.get(name, "{0}").format(_plain(value))) for name, value in told.items()]
+    all_of_it = table("field | value", fields)._repr_markdown_()
+    return f"\n## {row['id']}\n\n{row['statement']}: {judgement(row)}.\n\n{all_of_it}"
 
 
 def _plain(value: Any) -> str:
