@@ -8,7 +8,15 @@ import numpy as np
 import pytest
 
 from stepover import Infeasible, InvalidInput, Obstacle
-from stepover.report.key_domain import first_found, frontier, frontiers, highest_obstacle, key_domain, key_grid
+from stepover.report.key_domain import (
+    first_found,
+    frontier,
+    frontiers,
+    highest_obstacle,
+    key_domain,
+    key_grid,
+    yaw_gains,
+)
 from stepover.units.feasibility import key_configurations
 
 STEP = 0.01
@@ -115,3 +123,9 @@ def test_frontiers_are_those_of_each_grid_and_of_its_searched_part(robot, grids)
     for k, grid in enumerate(grids.values()):
         assert found[names[2 * k]] == frontier(robot, widths, grid)
         assert found[names[2 * k + 1]] == frontier(robot, widths, grid, grid.searched(robot))
+
+
+def test_gains_are_of_the_same_grid_and_only_where_the_straight_waist_has_any():
+    limits = {"straight": [0.3, 0.1], "straight, FU": [0.2, 0.0], "turned": [0.4, 0.15], "turned, FU": [0.25, 0.1]}
+    found = yaw_gains({name: np.array(heights) for name, heights in limits.items()})
+    np.testing.assert_allclose(found, [0.1, 0.05, 0.05])

@@ -111,3 +111,12 @@ def test_a_crossing_that_is_refused_leaves_a_reason():
     row = Crossed(**strategy_study.cross(Point(0.45)))
     assert (row.planned, row.motion, row.crossed) == (False, None, None)
     assert row.reason
+
+
+def test_the_dynamic_crossing_is_the_faster_the_smaller_epsilon_is():
+    crossed = strategy_study.over(strategy_study.read_table(), 0.15, 0.05)
+    ratios = strategy_study.speed_ups(crossed)
+    assert list(ratios) == sorted([*strategy_study.EPSILONS, strategy_study.EPSILON])
+    assert list(ratios.values()) == sorted(ratios.values(), reverse=True)
+    assert ratios[0.0005] == pytest.approx(42.485 / 3.04)
+    assert strategy_study.speed_ups(crossed[:-1]) == {}, "no dynamic crossing to compare with"
