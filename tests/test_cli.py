@@ -58,6 +58,15 @@ def refused(result, code, *words):
     assert os.listdir() == []
 
 
+def run_without(module):
+    """`plan` in a Python that has everything but this module."""
+    code = (
+        f"import runpy, sys; sys.modules['{module}'] = None; sys.argv = ['stepover', 'plan', *{SMALL}, '--output', "
+        "'m.npz']; runpy.run_module('stepover', run_name='__main__')"
+    )
+    return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+
+
 class TestPlan:
     def test_json_is_one_object_with_the_promised_keys(self):
         result = call("plan", *SMALL, "--output", "m.npz", "--json")
@@ -304,6 +313,19 @@ class TestWhole:
         heavy = ["pinocchio", "pybullet", "meshcat", "matplotlib", "scipy", "numpy", "papermill"]
         code = f"import stepover, stepover.cli, sys; print(set({heavy}) & set(sys.modules))"
         assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout == "set()\n"
+
+    @pytest.mark.parametrize("lacking", ["click", "pinocchio"])
+    def test_a_python_without_our_requirements_is_told_so(self, lacking):
+        done = run_without(lacking)
+        assert (done.returncode, done.stdout) == (2, "")
+        assert len(done.stderr.splitlines()) == 1
+        for word in (sys.executable, f"no module '{lacking}'", "make env", ".venv/bin/python"):
+            assert word in done.stderr
+
+    def test_a_module_of_our_own_that_is_missing_is_a_bug(self):
+        done = run_without("stepover.planner")
+        assert done.returncode == 1
+        assert "Traceback" in done.stderr
 
     def test_null_for_what_is_no_number(self):
         values = {"nan": float("nan"), "many": np.array([1.0, np.inf]), "n": np.int64(3), "none": (None, True)}

@@ -149,6 +149,11 @@ def test_all_names_are_there_and_no_others():
         _ = stepover.walk
 
 
+def test_names_that_are_not_loaded_yet_are_listed():
+    code = "import stepover; print(set(stepover.__all__) <= set(dir(stepover)))"
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout == "True\n"
+
+
 def test_errors_derive_from_one():
     for error in (stepover.InvalidInput, stepover.Infeasible, stepover.CorruptMotion):
         assert issubclass(error, stepover.StepOverError)
