@@ -16,6 +16,16 @@ class InvalidInput(StepOverError, ValueError):
     """An argument, a file or an option that makes no sense; the message says what would."""
 
 
+def require_type(name: str, value: object, kind: type, source: str) -> None:
+    """Refuse an argument of another type than the one that `source` gives.
+
+    Raises:
+        InvalidInput: names the argument, both types, and where one gets the right one.
+    """
+    if not isinstance(value, kind):
+        raise InvalidInput(f"{name} must be of type {kind.__name__}, not {type(value).__name__}: give {source}")
+
+
 class CorruptMotion(StepOverError):
     """A motion file that cannot be read, is cut short or contradicts itself."""
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from stepover import __version__
-from stepover.errors import Infeasible, InvalidInput, OutOfReach
+from stepover.errors import Infeasible, InvalidInput, OutOfReach, require_type
 from stepover.model.obstacle import Obstacle
 from stepover.model.robot import Robot
 from stepover.motion import FORMAT, Motion, obstacle_row
@@ -47,7 +47,7 @@ def plan(
         The whole-body motion.
 
     Raises:
-        InvalidInput: an unknown value of arms or speed_limits.
+        InvalidInput: no Robot, no Obstacle, or an unknown value of arms or speed_limits.
         Infeasible: names the constraint that cannot be met and the nearest obstacle that can be stepped over.
     """
     return plan_in_detail(robot, obstacle, arms=arms, speed_limits=speed_limits, extras=extras).motion
@@ -67,6 +67,8 @@ def plan_in_detail(
     What the paper describes comes first, with the arms at rest while the knees allow it; then UBMG; then what is
     added beyond the paper. For each, key configurations are tried in the order in which FU finds them.
     """
+    require_type("robot", robot, Robot, "load_robot(...)")
+    require_type("obstacle", obstacle, Obstacle, "Obstacle(height, width)")
     for name, value, known in (("arms", arms, ARMS), ("speed_limits", speed_limits, SPEED_LIMITS)):
         if value not in known:
             raise InvalidInput(f"{name} = {value!r} must be one of {', '.join(known)}")

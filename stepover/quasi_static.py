@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stepover import __version__
-from stepover.errors import Infeasible, InvalidInput
+from stepover.errors import Infeasible, InvalidInput, require_type
 from stepover.model.obstacle import Obstacle
 from stepover.model.robot import Robot
 from stepover.motion import FORMAT, Motion, obstacle_row
@@ -75,7 +75,8 @@ def quasi_static_plan(robot: Robot, obstacle: Obstacle, epsilon: float = 0.001) 
         ZMPs are the same. The key configuration is the one at the beginning of phase 2.
 
     Raises:
-        InvalidInput: epsilon is no length from SMALLEST_EPSILON to what keeps the ZMP on the soles.
+        InvalidInput: no Robot, no Obstacle, or epsilon is no length from SMALLEST_EPSILON to what keeps the ZMP on the
+            soles.
         Infeasible: names the phase and the condition, (6), (7) or (8), that cannot be met, and the nearest obstacle
             that can be stepped over.
     """
@@ -86,6 +87,8 @@ def quasi_static_in_detail(
     robot: Robot, obstacle: Obstacle, epsilon: float = 0.001, *, look_for_nearest: bool = True
 ) -> QuasiStaticPlan:
     """As quasi_static_plan, and keep how it came about."""
+    require_type("robot", robot, Robot, "load_robot(...)")
+    require_type("obstacle", obstacle, Obstacle, "Obstacle(height, width)")
     _check(robot, epsilon)
     try:
         way, taken, refused = _way(robot, obstacle)

@@ -25,7 +25,7 @@ PLAN_KEYS = {
     "com_travel_double_support", "com_acceleration_ratio_max", "adaptations", "planning_time",
 }  # fmt: skip
 SIMULATE_KEYS = {
-    "fell", "fall_time", "fall_reason", "obstacle_contacts", "clearance_min", "clearance_link", "zmp_rms",
+    "crossed", "fell", "fall_time", "fall_reason", "obstacle_contacts", "clearance_min", "clearance_link", "zmp_rms",
     "landing_force_peak", "waist_error_max", "torque_ratio_max", "speed_ratio_max", "torque_saturated_samples",
     "actuators", "sole", "stabilizer", "duration", "realtime_factor", "state_hash",
     "speed_violation_samples", "perturb",
@@ -107,6 +107,9 @@ class TestPlan:
             (["--colour", "red"], "--colour"),
             (["--output", "nowhere/m.npz"], "nowhere"),
             (["--csv", "nowhere/m.csv"], "nowhere"),
+            (["--output", "m.txt"], ".npz"),
+            (["--output", "m"], ".npz"),
+            (["--csv", "m.npz"], ".csv"),
             (["--output", "."], "folder"),
         ],
     )
@@ -197,7 +200,7 @@ class TestSimulate:
         assert len(done.stdout.splitlines()) == 1
         printed = json.loads(done.stdout)
         assert set(printed) == SIMULATE_KEYS
-        assert printed["fell"] is False
+        assert (printed["crossed"], printed["fell"]) == (True, False)
         assert printed["fall_time"] is None
         assert set(printed["landing_force_peak"]) == {"first", "second"}
         assert os.listdir() == ["m.npz"]
@@ -220,6 +223,7 @@ class TestSimulate:
         result = call("simulate", "m.npz", "--json")
         assert result.exit_code == 4
         assert json.loads(result.stdout)["obstacle_contacts"] > 0
+        assert json.loads(result.stdout)["crossed"] is False
         assert len(result.stderr.splitlines()) == 1
         assert "hit the obstacle" in result.stderr
         assert "m_failure.png" in result.stderr

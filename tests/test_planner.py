@@ -13,7 +13,7 @@ import pinocchio as pin
 import pytest
 from conftest import HRP2, yaw_of
 
-from stepover import Infeasible, InvalidInput, Motion, Obstacle, load_robot, plan
+from stepover import Infeasible, InvalidInput, Motion, Obstacle, load_robot, plan, quasi_static_plan
 from stepover.model import pose
 from stepover.model.support import zmp_margin
 from stepover.planner import plan_in_detail
@@ -323,6 +323,14 @@ def test_without_looking_for_the_nearest_there_is_none(robot):
 def test_unknown_options_are_named(robot, obstacle, option):
     with pytest.raises(InvalidInput, match=f"{option} = 'perhaps'"):
         plan(robot, obstacle, **{option: "perhaps"})
+
+
+@pytest.mark.parametrize("how", [plan, quasi_static_plan])
+def test_a_name_for_a_robot_and_a_size_for_an_obstacle_are_answered_with_what_is_wanted(robot, obstacle, how):
+    with pytest.raises(InvalidInput, match=r"robot must be of type Robot, not str: give load_robot\(\.\.\.\)"):
+        how("hrp2", obstacle)
+    with pytest.raises(InvalidInput, match=r"obstacle must be of type Obstacle, not tuple: give Obstacle\("):
+        how(robot, (0.15, 0.05))
 
 
 def test_plan_returns_the_motion_alone(robot, obstacle, motion):

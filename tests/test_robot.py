@@ -396,6 +396,12 @@ def test_an_unknown_robot_is_refused():
     assert "hrp2" in message
 
 
+def test_a_folder_with_a_robot_in_it_is_answered_with_the_path(spoilt):
+    folder = spoilt({}).parent
+    with pytest.raises(InvalidInput, match=f"such as {folder}/robot.toml"):
+        load_robot(folder)
+
+
 def test_missing_and_broken_files_are_refused(spoilt, tmp_path):
     assert "nowhere.toml" in refusal(tmp_path / "nowhere.toml")
     assert "other.urdf" in refusal(spoilt({("urdf",): "other.urdf"}))

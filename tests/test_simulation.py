@@ -112,8 +112,9 @@ def test_two_runs_are_equal_to_the_bit(run: Run, motion: Motion, robot: Robot) -
 
 def test_json_is_what_the_interface_promises(run: Run) -> None:
     numbers = run.to_json()
-    assert list(numbers) == [*PROMISED, "speed_violation_samples", "perturb"]
+    assert list(numbers) == ["crossed", *PROMISED, "speed_violation_samples", "perturb"]
     assert json.loads(json.dumps(numbers, allow_nan=False)) == numbers
+    assert numbers["crossed"] is True
     spoilt = replace(run, zmp_rms=[float("nan"), 0.0], landing_force_peak={"first": float("nan"), "second": 1.0})
     assert spoilt.to_json()["zmp_rms"] == [None, 0.0]
     assert spoilt.to_json()["landing_force_peak"]["first"] is None
@@ -152,6 +153,13 @@ def test_a_higher_obstacle_is_hit_and_explained(motion: Motion, robot: Robot) ->
         assert part in run.contact_reason
     touched = np.flatnonzero(np.isfinite(run.series.obstacle_depth))[0]
     assert f"t = {run.series.time[touched]:.3f} s" in run.contact_reason
+
+
+def test_what_is_no_motion_and_no_robot_is_refused(motion: Motion) -> None:
+    with pytest.raises(InvalidInput, match="motion must be of type Motion, not str: give what plan"):
+        simulate("motion.npz")  # type: ignore[arg-type]
+    with pytest.raises(InvalidInput, match="robot must be of type Robot, not str"):
+        simulate(motion, robot="hrp2")  # type: ignore[arg-type]
 
 
 def test_obstacle_can_be_left_out(motion: Motion, robot: Robot) -> None:

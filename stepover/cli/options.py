@@ -78,10 +78,10 @@ def new_file(name: str, help: str, suffix: str = "", **settings: Any) -> Option:
 
 def _writable(option: str, path: Path, suffix: str) -> Path:
     """The path of a file that can be written, as far as one can see."""
-    if suffix and path.suffix != suffix:
-        raise InvalidInput(f"{option} {path}: the file's name must end in {suffix}")
     if path.is_dir():
         raise InvalidInput(f"{option} {path} is a folder; name a file in it")
+    if suffix and path.suffix != suffix:
+        raise InvalidInput(f"{option} {path}: the file's name must end in {suffix}")
     if not path.parent.is_dir():
         raise InvalidInput(f"{option} {path}: the folder {path.parent} does not exist; make it first")
     if not os.access(path.parent, os.W_OK):

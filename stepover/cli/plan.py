@@ -16,8 +16,8 @@ from stepover.cli.options import as_json, margins, new_file, planner_choices
 @margins
 @click.option("--distance", type=float, help="From between the ankles to its front face [m]; default: nominal steps.")
 @planner_choices
-@new_file("--output", "Where the motion goes (npz)", required=True)
-@new_file("--csv", "Also as a table, one sample a row")
+@new_file("--output", "Where the motion goes", ".npz", required=True)
+@new_file("--csv", "Also as a table, one sample a row", ".csv")
 @as_json
 def plan(
     robot: str,

@@ -25,7 +25,7 @@ from stepover.errors import InvalidInput
 )  # fmt: skip
 @physics(actuators="limited", sole="compliant")
 @click.option("--jobs", type=click.IntRange(1), help="Simulations at a time; default: one a core.")
-@new_file("--output", "Where the table goes (csv)", required=True)
+@new_file("--output", "Where the table goes", ".csv", required=True)
 @new_file("--picture", "Also draw success over disturbance", ".png")
 @as_json
 def study(

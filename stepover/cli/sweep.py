@@ -19,15 +19,17 @@ def _anywhere(context: click.Context, parameter: click.Parameter, value: str) ->
 
 @click.command()
 @click.argument("obstacles", metavar="[OBSTACLES.csv]", required=False)
-@click.option("--heights", metavar="FIRST:LAST:STEP", help="Instead of a list: heights of a grid [m].")
-@click.option("--widths", metavar="FIRST:LAST:STEP", help="Its widths, along the way [m].")
+@click.option(
+    "--heights", metavar="FIRST:LAST:STEP", help="Instead of a list: heights of a grid [m]; or a few, as 0.1,0.15."
+)
+@click.option("--widths", metavar="FIRST:LAST:STEP", help="Its widths, along the way [m]; or one, as 0.05.")
 @click.option("--robot", default="hrp2", show_default=True, callback=_anywhere, help="As for plan.")
 @margins
 @planner_choices
 @click.option("--simulate", "physics", is_flag=True, help="Also carry out what is planned, with ideal motors.")
 @click.option("--jobs", type=click.IntRange(1), help="Obstacles at a time; default: one a core.")
 @click.option("--dask", metavar="ADDRESS", help="Let a Dask cluster do it; its scheduler's address.")
-@new_file("--output", "Where the table goes (csv)", required=True)
+@new_file("--output", "Where the table goes", ".csv", required=True)
 @as_json
 def sweep(
     obstacles: str | None,

@@ -224,8 +224,9 @@ def load_robot(robot: str | Path) -> Robot:
     if path.suffix != ".toml":
         known = sorted(file.parent.name for file in data_folder().glob("*/robot.toml"))
         if str(robot) not in known:
+            inside = f", such as {path / 'robot.toml'}" if (path / "robot.toml").is_file() else ""
             raise InvalidInput(
-                f"unknown robot {str(robot)!r}: known are {', '.join(known)}, or give a path to a robot.toml"
+                f"unknown robot {str(robot)!r}: known are {', '.join(known)}, or give a path to a robot.toml{inside}"
             )
         path = data_folder() / str(robot) / "robot.toml"
     try:

@@ -122,7 +122,8 @@ class Run:
     def to_json(self) -> dict[str, Any]:
         """The numbers as `simulate --json` prints them, None for what is not a number."""
         beyond = ("contact_reason", "motion", "obstacle", "series")
-        return {f.name: _plain(getattr(self, f.name)) for f in fields(self) if f.name not in beyond}
+        numbers = {f.name: _plain(getattr(self, f.name)) for f in fields(self) if f.name not in beyond}
+        return {"crossed": self.crossed} | numbers
 
 
 def _plain(value: Any) -> Any:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping
 
-from stepover.errors import InvalidInput
+from stepover.errors import InvalidInput, require_type
 from stepover.model.obstacle import Obstacle
 from stepover.model.robot import Robot, load_robot
 from stepover.motion import Motion
@@ -48,13 +48,15 @@ def simulate(
     Raises:
         InvalidInput: an option that is not available, or a robot that the motion is not for.
     """
+    require_type("motion", motion, Motion, "what plan(...) or Motion.load(...) returns")
     how = {"actuators": actuators, "sole": sole, "stabilizer": stabilizer}
     for name, value in how.items():
         if value not in AVAILABLE[name]:
             known = ", ".join(str(x) for x in AVAILABLE[name])
             raise InvalidInput(f"{name} = {value!r} is not available; available: {known}")
     disturbances = Disturbances.read(perturb or {}, motion)
-    robot = robot or load_robot(motion.robot)
+    robot = load_robot(motion.robot) if robot is None else robot
+    require_type("robot", robot, Robot, "load_robot(...)")
     if list(motion.joint_names) != robot.body.joint_names:
         raise InvalidInput(f"the motion is for {motion.robot!r}: its joints are not those of {robot.name!r}")
     beam = disturbances.obstacle(motion.obstacle)
