@@ -62,7 +62,8 @@ test: export MPLBACKEND = Agg
 # so that an installation that was interrupted leaves no half-installed package behind.
 $(READY): environment.txt
 	$(if $(python311),,$(error $(wrong_python)))
-	@echo "Setting up $(VENV) from environment.txt; this takes some minutes, once."
+	@echo "Setting up $(VENV) from environment.txt; this takes a minute or two and the network,"
+	@echo "and 1.6 GB of disk, once."
 	@test -f $@ || $(python311) -m venv --clear $(VENV)
 	@rm -f $@
 	@$(PYTHON) -m pip install -qq --disable-pip-version-check --requirement environment.txt

@@ -16,7 +16,9 @@ from stepover import Motion, Obstacle, __version__, load_robot, planner
 from stepover.cli import main
 from stepover.cli.simulate import plot_failure
 from stepover.errors import InvalidInput
+from stepover.report import reproduce as module
 from stepover.report import summary
+from stepover.report.verdicts import RECORDED
 
 PLAN_KEYS = {
     "robot", "obstacle", "key_configuration", "duration", "step_over_duration", "samples", "zmp_rms_first_stage",
@@ -288,6 +290,22 @@ class TestReproduce:
 
     def test_where_the_figures_go_is_not_for_the_user_to_say(self):
         refused(call("reproduce", "-p", "output=here"), 2, "output")
+
+    def test_it_says_how_long_what_and_where_in_few_lines(self, monkeypatch, tmp_path_factory):
+        top = tmp_path_factory.mktemp("top")
+        written = [top / "figures" / "a.png", top / "figures" / "b.png", top / "README.md"]
+        monkeypatch.setattr(module, "checkout", lambda: top)
+        monkeypatch.setattr(module, "reproduce", lambda *_: written)
+        (top / "figures").mkdir()
+        entries = [{"id": str(k), "verdict": "holds"} | dict.fromkeys(RECORDED[2:]) | {"measured": 1} for k in range(3)]
+        (top / "figures" / "claims.json").write_text(json.dumps(entries))
+        result = call("reproduce")
+        assert "five minutes" in result.stderr
+        told = "written: 2 files in figures/, executed notebooks in build/notebooks/"
+        assert result.stdout.splitlines() == [told, "Of 3 claims 3 hold, 0 differ, and 0 cannot be tested here."]
+        written[:] = [top / "build" / "figures" / "a.png"]
+        result = call("reproduce", "-p", "height=0.1")
+        assert result.stdout == "written: 1 file in build/figures/, executed notebooks in build/experiment/\n"
 
     def test_an_unknown_notebook(self):
         refused(call("reproduce", "--only", "stepover_99cm"), 2, "stepover_99cm", "stepover_15cm")

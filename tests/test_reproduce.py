@@ -43,6 +43,29 @@ def test_own_parameters_go_to_build(top):
     assert reproduce(top, "good", own) == [top / "build" / "figures" / "drawn.txt"]
     assert (top / "build" / "figures" / "drawn.txt").read_text() == "1.0 9 7 True"
     assert (top / "figures" / "drawn.txt").read_text() == "old"
+    assert (top / "build" / "experiment" / "good.ipynb").is_file()
+    assert not (top / "build" / "notebooks").exists(), "the reference's executed copies stay as they were"
+
+
+def test_an_experiment_goes_on_after_a_notebook_that_refuses_it(top, monkeypatch):
+    ran = []
+
+    def run_notebook(notebook, executed, output, values, label):
+        ran.append((executed.parent.name, label))
+        if notebook.stem != "c":
+            raise NotebookFailed(f"notebook {notebook.stem}: no", {"a": 3, "b": 2}[notebook.stem])
+
+    for name in "abc":
+        write(top, name, DRAW)
+    monkeypatch.setattr(module, "run_notebook", run_notebook)
+    with pytest.raises(NotebookFailed, match=r"2 of 3 notebooks failed .*: notebook a: no; notebook b: no") as caught:
+        reproduce(top, None, {"height": "0.1"})
+    assert caught.value.exit_code == 3
+    assert ran == [("experiment", f"{k} of 3: {name}") for k, name in enumerate("abc", start=1)]
+    ran.clear()
+    with pytest.raises(NotebookFailed, match=r"^notebook a: no"):
+        reproduce(top)
+    assert ran == [("notebooks", "1 of 3: a")], "the reference run ends at once"
 
 
 def test_a_failing_notebook_is_named_and_the_old_figures_stay(top):
@@ -103,7 +126,9 @@ def test_a_parameter_goes_to_the_notebooks_that_know_it(top, monkeypatch):
     text = (top / "notebooks" / "other.ipynb").read_text().replace("steps", "hops")
     (top / "notebooks" / "other.ipynb").write_text(text)
     given = {}
-    monkeypatch.setattr(module, "run_notebook", lambda notebook, _, __, values: given.update({notebook.stem: values}))
+    monkeypatch.setattr(
+        module, "run_notebook", lambda notebook, _, __, values, ___: given.update({notebook.stem: values})
+    )
     reproduce(top, None, {"steps": "3", "height": "0.2"})
     assert given == {"good": {"steps": 3, "height": 0.2}, "other": {"height": 0.2}}
 

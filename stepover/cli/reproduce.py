@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import Counter
+
 import click
 
 from stepover.cli.options import pairs
@@ -11,18 +13,28 @@ from stepover.cli.options import pairs
 @click.option("--only", metavar="NOTEBOOK", help="Run this notebook alone, such as stepover_15cm.")
 @click.option(
     "-p", "--parameter", "parameters", multiple=True, metavar="NAME=VALUE", callback=pairs,
-    help="Change a parameter of the notebooks; may be repeated. Results go to build/ then.",
+    help="Change a parameter of the notebooks that know it; may be repeated. Results go to build/ then.",
 )  # fmt: skip
 def reproduce(only: str | None, parameters: dict[str, str]) -> None:
     """Run every notebook; write every figure and claim to figures/ and the claims to README's table.
 
-    Executed copies go to build/notebooks/. With -p figures and records go to build/figures/, so that an experiment
-    never overwrites the reference.
+    All notebooks take about five minutes. Executed copies go to build/notebooks/. With -p figures and records go to
+    build/figures/ and the copies to build/experiment/, so that an experiment never overwrites the reference; a notebook
+    that refuses the parameters is named at the end, once the others have run.
 
     Example: python -m stepover reproduce --only stepover_15cm -p height=0.1
     """
     from stepover.report.reproduce import checkout
     from stepover.report.reproduce import reproduce as run_notebooks
+    from stepover.report.verdicts import read_entries, tally
 
-    for path in run_notebooks(checkout(), only, parameters):
-        click.echo(path)
+    top = checkout()
+    if only is None:
+        click.echo("running every notebook; this takes about five minutes", err=True)
+    written = run_notebooks(top, only, parameters)
+    folders = Counter(f"{path.parent.relative_to(top)}/" for path in written if path.parent != top)
+    made = [f"{count} file{'s' * (count > 1)} in {folder}" for folder, count in folders.items()]
+    copies = "build/experiment/" if parameters else "build/notebooks/"
+    click.echo(f"written: {', '.join([*made, f'executed notebooks in {copies}'])}")
+    if not parameters:
+        click.echo(tally(read_entries(top / "figures" / "claims.json")))

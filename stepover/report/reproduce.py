@@ -51,10 +51,13 @@ def checkout() -> Path:
 def reproduce(top: Path, only: str | None = None, parameters: dict[str, str] | None = None) -> list[Path]:
     """Run the notebooks of a checkout, move their figures to their place, and gather what they recorded.
 
+    With values of one's own the figures go to build/figures/ and the executed copies to build/experiment/; what an
+    experiment fails at does not keep the other notebooks from running.
+
     Args:
         top: the checkout, with notebooks/.
         only: name of the one notebook to run, with or without .ipynb or its folder.
-        parameters: own values for the notebooks' parameters; the figures then go to build/figures/, else figures/.
+        parameters: own values for the notebooks' parameters.
 
     Returns:
         What was written: the figures and, without values of one's own, figures/claims.json and README.md.
@@ -62,23 +65,37 @@ def reproduce(top: Path, only: str | None = None, parameters: dict[str, str] | N
     Raises:
         InvalidInput: an unknown notebook or parameter, or a value of the wrong type: nothing has run then. Or records
             and data/claims.toml disagree: the old claims are as they were.
-        NotebookFailed: names notebook, cell and error; that notebook's old figures are as they were.
+        NotebookFailed: names notebook, cell and error; that notebook's old figures are as they were. Of an experiment
+            it names all that failed, once the others have run; the exit code is the largest.
     """
     notebooks = find_notebooks(top, only)
     values = _own_values(notebooks, parameters or {})
     place = top / "build" / "figures" if parameters else top / "figures"
-    written, recorded = [], {}
-    for notebook in notebooks:
+    copies = top / "build" / ("experiment" if parameters else "notebooks")
+    written, recorded, failed = list[Path](), {}, list[NotebookFailed]()
+    for k, notebook in enumerate(notebooks, start=1):
         staging = top / "build" / "staging" / notebook.stem
+        label = f"{k} of {len(notebooks)}: {notebook.stem}"
         try:
             shutil.rmtree(staging, ignore_errors=True)
             staging.mkdir(parents=True)
-            run_notebook(notebook, top / "build" / "notebooks" / notebook.name, staging, values[notebook])
+            run_notebook(notebook, copies / notebook.name, staging, values[notebook], label)
             if not parameters:
                 recorded[notebook.stem] = take_records(staging)
             written += _move(staging, place)
         except OSError as error:
             raise NotebookFailed(f"notebook {notebook.stem}: {error}") from error
+        except NotebookFailed as error:
+            if not parameters:
+                raise
+            failed.append(error)
+    if failed:
+        done = (
+            f"{len(failed)} of {len(notebooks)} notebooks failed with these parameters; the others ran: "
+            if len(notebooks) > 1
+            else ""
+        )
+        raise NotebookFailed(done + "; ".join(map(str, failed)), max(error.exit_code for error in failed))
     return written if parameters else written + gather(top, recorded, whole=only is None)
 
 
@@ -95,8 +112,8 @@ def find_notebooks(top: Path, only: str | None = None) -> list[Path]:
     return [notebook for notebook in found if notebook.stem == name]
 
 
-def run_notebook(notebook: Path, executed: Path, output: Path, values: dict[str, Any]) -> None:
-    """Run one notebook with a progress bar, and keep the executed copy, also of one that fails.
+def run_notebook(notebook: Path, executed: Path, output: Path, values: dict[str, Any], label: str = "") -> None:
+    """Run one notebook with a progress bar, labelled by its name if by no other, and keep the copy, also if it fails.
 
     Raises:
         NotebookFailed: a cell raised an error, or the kernel could not be started or died.
@@ -109,7 +126,7 @@ def run_notebook(notebook: Path, executed: Path, output: Path, values: dict[str,
     try:
         papermill.execute_notebook(
             notebook, executed, own, kernel_name="python3", cwd=notebook.parent,
-            progress_bar={"desc": notebook.stem, "unit": "cell"}, extra_arguments=["--log-level=CRITICAL"],
+            progress_bar={"desc": label or notebook.stem, "unit": "cell"}, extra_arguments=["--log-level=CRITICAL"],
         )  # fmt: skip
     except papermill.PapermillExecutionError as error:
         cell, line = _where(notebook, error.source)

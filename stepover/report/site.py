@@ -47,6 +47,7 @@ def make(top: Path) -> Path:
         SiteFailed: see there.
     """
     executed = [_executed(top, notebook) for notebook in find_notebooks(top)]
+    _say("notebooks are up to date; planning the crossings shown in 3-D")
     views = {name: (one.pop("title"), crossing(**one)) for name, one in crossings_of(top).items()}
     return build(top, executed, views, top / "build" / "site")
 
@@ -80,6 +81,7 @@ def build(top: Path, notebooks: Sequence[Path], views: Mapping[str, tuple[str, s
     shutil.rmtree(work, ignore_errors=True)
     pages, made = work / "pages", work / "html"
     lay_out(top, notebooks, {name: title for name, (title, _) in views.items()}, pages)
+    _say("rendering the pages; this takes about a minute")
     _render(pages, made, top / "docs" / "site")
     for folder in FILES:
         shutil.copytree(
@@ -90,6 +92,7 @@ def build(top: Path, notebooks: Sequence[Path], views: Mapping[str, tuple[str, s
     (made / VIEWS).mkdir()
     for name, (_, page) in views.items():
         (made / VIEWS / f"{name}.html").write_text(page, encoding="utf-8")
+    _say("checking the links")
     wrong = faults(made)
     if wrong:
         raise SiteFailed("\n".join(["broken links:", *wrong]))
@@ -127,13 +130,18 @@ def _executed(top: Path, notebook: Path) -> Path:
     """The executed copy of a notebook, run now where it is missing or stale; its figures and records go nowhere."""
     executed, why = top / "build" / "notebooks" / notebook.name, stale(top, notebook)
     if why:
-        print(f"notebook {notebook.stem} {why}: it is run", flush=True)
+        _say(f"notebook {notebook.stem} {why}: it is run")
         staging = top / "build" / "staging" / notebook.stem
         shutil.rmtree(staging, ignore_errors=True)
         staging.mkdir(parents=True)
         run_notebook(notebook, executed, staging, {})
         shutil.rmtree(staging)
     return executed
+
+
+def _say(what: str) -> None:
+    """What is being done, at once."""
+    print(what, flush=True)
 
 
 def _render(pages: Path, made: Path, settings: Path) -> None:
@@ -148,6 +156,6 @@ def _render(pages: Path, made: Path, settings: Path) -> None:
 
 if __name__ == "__main__":
     try:
-        print(make(checkout()) / "index.html")
+        print(f"open {make(checkout()) / 'index.html'}")
     except StepOverError as error:
         sys.exit(f"error: {error}")
