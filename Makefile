@@ -23,10 +23,12 @@ help:       ## list these commands
 env: $(READY)        ## set up .venv from environment.txt (the commands below do so by themselves)
 
 reproduce: $(READY)  ## run every notebook; write every figure and claim to figures/
-	$(PYTHON) -m stepover reproduce
+	@echo "Running every notebook; this takes about five minutes."
+	@$(PYTHON) -m stepover reproduce
 
 site: $(READY)       ## make build/site/: all of it as pages that need no network, links checked
-	$(PYTHON) -m stepover.report.site
+	@echo "Making the site; this takes about a minute and a half, and five minutes more where notebooks are to be run."
+	@$(PYTHON) -m stepover.report.site
 
 test: $(READY)       ## run the tests, the notebooks with quick parameters among them
 	$(PYTHON) -m pytest -n auto --dist loadfile

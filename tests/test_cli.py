@@ -291,7 +291,7 @@ class TestReproduce:
     def test_where_the_figures_go_is_not_for_the_user_to_say(self):
         refused(call("reproduce", "-p", "output=here"), 2, "output")
 
-    def test_it_says_how_long_what_and_where_in_few_lines(self, monkeypatch, tmp_path_factory):
+    def test_it_says_what_and_where_in_few_lines(self, monkeypatch, tmp_path_factory):
         top = tmp_path_factory.mktemp("top")
         written = [top / "figures" / "a.png", top / "figures" / "b.png", top / "README.md"]
         monkeypatch.setattr(module, "checkout", lambda: top)
@@ -300,7 +300,6 @@ class TestReproduce:
         entries = [{"id": str(k), "verdict": "holds"} | dict.fromkeys(RECORDED[2:]) | {"measured": 1} for k in range(3)]
         (top / "figures" / "claims.json").write_text(json.dumps(entries))
         result = call("reproduce")
-        assert "five minutes" in result.stderr
         told = "written: 2 files in figures/, executed notebooks in build/notebooks/"
         assert result.stdout.splitlines() == [told, "Of 3 claims 3 hold, 0 differ, and 0 cannot be tested here."]
         written[:] = [top / "build" / "figures" / "a.png"]

@@ -29,8 +29,6 @@ def reproduce(only: str | None, parameters: dict[str, str]) -> None:
     from stepover.report.verdicts import read_entries, tally
 
     top = checkout()
-    if only is None:
-        click.echo("running every notebook; this takes about five minutes", err=True)
     written = run_notebooks(top, only, parameters)
     folders = Counter(f"{path.parent.relative_to(top)}/" for path in written if path.parent != top)
     made = [f"{count} file{'s' * (count > 1)} in {folder}" for folder, count in folders.items()]
