@@ -283,6 +283,26 @@ class TestGather:
         gather(top, records, True)
         assert "**differs**: so it is" in (top / "README.md").read_text()
 
+    def test_what_depends_on_the_machine_stays_while_it_says_the_same(self, top, records):
+        varies = {"compare": "above", "paper": 0.0, "varies": True}
+        two = {"notebook": "other"}
+        (top / "data" / "claims.toml").write_text(as_toml(one=varies, two=two | varies))
+        gather(top, records, True)
+        before = results(top)
+        for claim in (row for rows in records.values() for row in rows):
+            claim["measured"] = 2.0
+        gather(top, records, True)
+        assert results(top) == before
+        records["good"][0]["versions"] = {"numpy": "9"}
+        records["other"][0] |= {"verdict": DIFFERS, "reason": "slower"}
+        gather(top, records, True)
+        stored = read_entries(top / "figures" / "claims.json")
+        assert [(row["measured"], row["verdict"]) for row in stored] == [(2.0, "holds"), (2.0, DIFFERS)]
+        (top / "data" / "claims.toml").write_text(as_toml(one={}, two=two))
+        records["good"][0]["measured"] = 3.0
+        gather(top, records, True)
+        assert read_entries(top / "figures" / "claims.json")[0]["measured"] == 3.0, "every other number is stored anew"
+
     def test_what_is_stored_and_no_longer_claimed_goes_away(self, top, records):
         gather(top, records, True)
         (top / "data" / "claims.toml").write_text(as_toml(one={}))

@@ -33,6 +33,9 @@ def take_records(folder: Path) -> list[Entry]:
 def gather(top: Path, found: Mapping[str, list[Entry]], whole: bool) -> list[Path]:
     """Write figures/claims.json and README's table.
 
+    A number that depends on the machine stays as it is stored while its verdict, reason and versions are the same: so
+    whoever reproduces the claims sees no difference where there is none. To store a new one, delete the old entry.
+
     Args:
         top: the checkout, with data/claims.toml; without that file nothing is to be judged.
         found: records by notebook, of those that ran.
@@ -49,13 +52,19 @@ def gather(top: Path, found: Mapping[str, list[Entry]], whole: bool) -> list[Pat
     if not source.is_file() and not any(found.values()):
         return []
     claims = read_claims(source)
-    rows = {} if whole else {row["id"]: row for row in read_entries(stored) if row["id"] in claims}
-    rows = {name: row for name, row in rows.items() if claims[name].notebook not in found}
+    try:
+        before = {row["id"]: row for row in read_entries(stored) if row["id"] in claims}
+    except InvalidInput:
+        if not whole:
+            raise
+        before = {}  # all of it is written anew
+    rows = {} if whole else {name: row for name, row in before.items() if claims[name].notebook not in found}
     for notebook, records in found.items():
         for row in records:
             if row["id"] not in claims or claims[row["id"]].notebook != notebook:
                 raise InvalidInput(f"notebook {notebook} records {row['id']!r}, which is no claim of it in {source}")
-            rows[row["id"]] = row
+            stays = claims[row["id"]].varies and _as_before(row, before.get(row["id"], {}))
+            rows[row["id"]] = before[row["id"]] if stays else row
     missing = [name for name, one in claims.items() if name not in rows and (whole or one.notebook in found)]
     if missing:
         raise InvalidInput(f"claims without a record: {', '.join(f'{n} ({claims[n].notebook})' for n in missing)}")
@@ -67,6 +76,11 @@ def gather(top: Path, found: Mapping[str, list[Entry]], whole: bool) -> list[Pat
     write_whole(stored, lambda file: file.write(as_json(entries).encode()))
     write_whole(readme, lambda file: file.write(text.encode()))
     return [stored, readme]
+
+
+def _as_before(row: Entry, before: Entry) -> bool:
+    """Whether a record says what is stored, but for its numbers."""
+    return all(row[name] == before.get(name) for name in ("verdict", "reason", "versions"))
 
 
 def entry(claim: Claim, record: Entry) -> Entry:
