@@ -229,6 +229,10 @@ class TestSimulate:
         assert len(result.stderr.splitlines()) == 1
         assert "hit the obstacle" in result.stderr
         assert "m_failure.png" in result.stderr
+        told = call("simulate", "m.npz").stdout
+        assert re.search("^outcome +touched the obstacle( and fell)?$", told, re.MULTILINE), "the sentence is on stderr"
+        assert re.search("^torque (at|beyond) its limit", told, re.MULTILINE)
+        assert "times the speed of real time" in told
         assert Path("m_failure.png").read_bytes().startswith(b"\x89PNG")
 
 

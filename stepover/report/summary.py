@@ -64,23 +64,36 @@ def run_summary(run: Run) -> str:
     result = run.to_json()
     landing = result["landing_force_peak"]
     saturated = ", ".join(f"{joint} {count}" for joint, count in result["torque_saturated_samples"].items() if count)
+    at_limit = "torque beyond its limit" if result["actuators"] == "ideal" else "torque at its limit"
     rows = [
-        ("outcome", "crossed" if run.crossed else run.explanation),
+        ("outcome", _outcome(run)),
         ("set-up", f"{result['actuators']} actuators, {result['sole']} soles, "
                    f"{'with' if result['stabilizer'] else 'no'} stabilizer"),
-        ("clearance", f"{_or_dash(result['clearance_min'], '{:.1f} mm at least', 1e3)}, {result['clearance_link']}"),
+        ("clearance", f"{_or_dash(result['clearance_min'], '{:.1f} mm at least at the samples', 1e3)}, "
+                      f"{result['clearance_link']}"),
         ("obstacle contacts", f"{result['obstacle_contacts']} samples"),
         ("ZMP error, rms", f"{_mm(result['zmp_rms'])} mm in x, y"),
-        ("landing force, peak", ", ".join(f"{_or_dash(landing[leg], '{:.0f} N', 1.0)} ({leg} leg)" for leg in landing)),
+        ("landing force, peak", ", ".join(f"{_landed(landing[leg])} ({leg} leg)" for leg in landing)),
         ("waist error", _or_dash(result["waist_error_max"], "{:.1f} mm at most", 1e3)),
         ("joint torque", _or_dash(result["torque_ratio_max"], "{:.2f} of its limit at most", 1.0)),
         ("joint speed", _or_dash(result["speed_ratio_max"], "{:.2f} of its limit at most", 1.0)),
-        ("torque-saturated samples", saturated or "none"),
-        ("duration", f"{result['duration']:.2f} s, simulated "
-                     f"{_or_dash(result['realtime_factor'], '{:.1f} times faster than real time', 1.0)}"),
+        (at_limit, f"samples: {saturated}" if saturated else "never"),
+        ("duration", f"{result['duration']:.2f} s, simulated at "
+                     f"{_or_dash(result['realtime_factor'], '{:.1f} times the speed of real time', 1.0)}"),
         ("state hash", f"{result['state_hash']}"),
     ]  # fmt: skip
     return aligned(rows)
+
+
+def _outcome(run: Run) -> str:
+    """What came of it, in a few words; run.explanation says more."""
+    what = [said for said, so in (("touched the obstacle", run.obstacle_contacts), ("fell", run.fell)) if so]
+    return " and ".join(what) or "crossed"
+
+
+def _landed(force: float | None) -> str:
+    """Peak of a landing force, of a leg that came down."""
+    return f"{force:.0f} N" if force else "no landing"
 
 
 def _arms(ubmg: dict[str, Any]) -> str:
