@@ -53,7 +53,7 @@ def physics(actuators: str = "ideal", sole: str = "rigid") -> Option:
     return together(
         choice(
             "--actuators", ("ideal", "limited"), default=actuators,
-            help="Motors that follow without limits, as in the paper, or servos with limited torque that fades at speed.",
+            help="Motors that follow without limits, as in the paper, or servos with limited torque, less at speed.",
         ),
         choice("--sole", ("rigid", "compliant"), "Rigid soles, or rubber between ankle and sole.", default=sole),
     )  # fmt: skip

@@ -75,7 +75,7 @@ def reproduce(top: Path, only: str | None = None, parameters: dict[str, str] | N
     written, recorded, failed = list[Path](), {}, list[NotebookFailed]()
     for k, notebook in enumerate(notebooks, start=1):
         staging = top / "build" / "staging" / notebook.stem
-        label = f"{k} of {len(notebooks)}: {notebook.stem}"
+        label = f"{k} of {len(notebooks)}: {notebook.stem}" if len(notebooks) > 1 else ""
         try:
             shutil.rmtree(staging, ignore_errors=True)
             staging.mkdir(parents=True)
