@@ -35,10 +35,7 @@ from stepover.model.parameters import (
 )
 from stepover.model.physics_parameters import Servo, Simulation, SoleRubber
 from stepover.model.reading import read_section
-
-SIDES = {"left": 1, "right": -1}
-FLAT, ON_FLOOR = 0.5, 1e-3
-"""Degrees and m that a sole may be off in half-sitting: what rounded figures leave."""
+from stepover.model.robot_checks import require_agreement
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,58 +78,7 @@ class Robot:
 
     def __post_init__(self) -> None:
         """Read the URDF, and refuse joints and links that it lacks."""
-        if self.root != self.body.link_names[0]:
-            raise InvalidInput(f"root = {self.root!r}: the root link of the URDF is {self.body.link_names[0]!r}")
-        named = {
-            "legs.knee": self.legs.knee,
-            "posture.angles_deg": self.posture.angles_deg,
-            "upper_body.chest_yaw": (self.upper_body.chest_yaw,),
-            "upper_body.shoulders": self.upper_body.shoulders,
-        }
-        for where, joints in named.items():
-            for joint in joints:
-                if joint not in self.body.joint_names:
-                    raise InvalidInput(f"{where}: the URDF has no joint {joint!r}")
-        for name, side in SIDES.items():
-            if side * self.body.origin(self.leg(side).joints[0])[1][1] < 0.0:
-                raise InvalidInput(f"legs.{name}: {self.leg(side).joints[0]!r} is not on the {name} side of the root")
-            self._require_standing(side)
-        for knee in self.legs.knee:
-            if knee not in (*self.legs.left, *self.legs.right):
-                raise InvalidInput(f"legs.knee: {knee!r} is in neither leg")
-            if knee not in (bends := [leg[3] for leg in (self.legs.right, self.legs.left)]):
-                raise InvalidInput(f"legs.knee: {knee!r} is no knee: the fourth joints of the legs are {bends}")
-        self._require_possible()
-        if self.feasibility.waist_height_min >= self.posture.waist_height:
-            raise InvalidInput("feasibility.waist_height_min must be less than posture.waist_height")
-
-    def _require_possible(self) -> None:
-        """Refuse a half-sitting beyond joint limits, and lengths that no other length of the robot agrees with."""
-        angles = np.degrees(self._half_sitting[7:])
-        lower, upper = np.degrees(self.body.lower), np.degrees(self.body.upper)
-        for k in np.flatnonzero((angles < lower - 1e-6) | (angles > upper + 1e-6)):
-            raise InvalidInput(
-                f"posture.angles_deg: {self.body.joint_names[k]!r} stands at {angles[k]:.1f} degrees "
-                f"in half-sitting, its range is {lower[k]:.1f} to {upper[k]:.1f}"
-            )
-        (back, front), foot = self.foot.contact_x, self.foot
-        if back < -foot.heel or front > foot.toe:
-            raise InvalidInput(f"foot.contact_x = {[back, front]} must lie between heel and toe, in m")
-
-    def _require_standing(self, side: int) -> None:
-        """Refuse a half-sitting in which a sole does not lie on the floor: it is seen from the last joint's frame."""
-        leg, rest = self.leg(side), self.half_sitting()[None]
-        turn, place = (part[0] for part in leg.sole(rest[:, :7], rest[:, leg.columns]))
-        tilt = float(np.degrees(np.arccos(np.clip((np.trace(turn) - 1.0) / 2.0, -1.0, 1.0))))
-        where = f"posture: in half-sitting the sole under {leg.joints[-1]!r}"
-        if tilt > FLAT:
-            raise InvalidInput(f"{where} is turned by {tilt:.1f} degrees from x ahead and z up; angles must cancel")
-        if abs(place[2]) > ON_FLOOR:
-            wanted = self.posture.waist_height - place[2]
-            raise InvalidInput(
-                f"{where} is at z = {1e3 * place[2]:.1f} mm; check waist_height and foot.ankle_height, in m: "
-                f"with this one a waist_height of {wanted:.6f} puts it on the floor"
-            )
+        require_agreement(self)
 
     @cached_property
     def urdf_path(self) -> Path:
