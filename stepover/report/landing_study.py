@@ -107,12 +107,10 @@ def landing_of(point: Point) -> Landing:
     return VARIATIONS[point.variation].land(robot_of(point.robot), point.motion)
 
 
-def row_of(point: Point, landing: Landing | None) -> Landed:
-    """The row of a point, and of what became of it if that was simulated."""
+def row_of(point: Point, landing: Landing) -> Landed:
+    """The row of a point, and of what became of it."""
     made = __version__, point.variation, point.profile, point.swing_time
     row = Landed(point.robot, *made, point.motion.hash())
-    if landing is None:
-        return row
     values = {name: rounded(getattr(landing, name)) for name in MEASURED}
     known = {name: value for name, value in values.items() if not np.isnan(value)}
     return dataclasses.replace(row, fell=landing.fell, **known)  # type: ignore[arg-type]
@@ -145,11 +143,6 @@ def at(rows: Sequence[Landed], point: Point) -> Landed:
         if (row.variation, row.profile, row.swing_time) == (point.variation, point.profile, point.swing_time):
             return row
     raise KeyError(point)
-
-
-def agrees(rows: Sequence[Landed], point: Point) -> bool:
-    """Whether the motion of a stored row is still planned so."""
-    return row_of(point, None).motion == at(rows, point).motion
 
 
 def agreement_of(rows: Sequence[Landed], point: Point, landing: Landing) -> str:
