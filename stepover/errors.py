@@ -5,6 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from stepover.model.obstacle import Obstacle
 
 
@@ -53,3 +55,16 @@ class Infeasible(StepOverError):
 
 class OutOfReach(Infeasible):
     """A sole that a leg cannot reach, by `short`."""
+
+
+class NoWay(Infeasible):
+    """A trailing leg that the feet adaptor leaves deeper inside than its last method is for.
+
+    Attributes:
+        explain: gives the error that says what remains, which takes its time.
+    """
+
+    def __init__(self, short: float, explain: Callable[[], Infeasible]) -> None:
+        """Keep by how much it is short at the least [m], and who can say more."""
+        self.explain = explain
+        super().__init__("FTA finds no way for the trailing leg", short=short)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from stepover import __version__
-from stepover.errors import Infeasible, InvalidInput, OutOfReach, require_type
+from stepover.errors import Infeasible, InvalidInput, NoWay, OutOfReach, require_type
 from stepover.model.obstacle import Obstacle
 from stepover.model.robot import Robot
 from stepover.motion import FORMAT, Motion, obstacle_row
@@ -28,6 +28,9 @@ from stepover.verdict import require, require_speeds
 
 ARMS = ("auto", "on", "off")
 SPEED_LIMITS = ("ignore", "respect")
+LEAN = 0.6
+"""How far a leg leans where it reaches furthest, the way from hip to ankle ahead over that down: 0.5 to 0.7 over 20 to
+25 cm. Below, hardly any attempt fails for want of reach."""
 
 
 def plan(
@@ -117,7 +120,7 @@ def algorithm_1(robot: Robot, obstacle: Obstacle, key: KeyConfiguration, effort:
             break
         adaptation = adapt_feet(robot, obstacle, sequence, flat, ftg, effort.methods)  # 7: FTA
         if not adaptation.clear:
-            raise adaptation.explain(robot, sequence)
+            raise adaptation.refusal(robot, obstacle, sequence, flat)
         if not adaptation.acted:
             break
         feet, waist = adaptation.feet, raise_waist(robot, sequence, flat, adaptation.raised)
@@ -177,13 +180,14 @@ def _first(
     """The plan for the first effort and key configuration that work; else what the last effort lacks least.
 
     An adapted leg that still collides came further than one that does not reach.
-    Where a sole is out of reach, a waist that is not lower by as much will not do either, nor with a longer step.
+    Where a sole is out of reach, a waist that is not lower by as much will not do either; where FTA finds no way, for
+    want of reach as well, one that is not lower. With a longer step it must be lower still.
     """
     tried = [key for key in keys if _whole((key.x_ads - keys[0].x_ads) / robot.feasibility.step_length_more_step)]
     for effort in efforts:
-        highest, errors = np.inf, []
+        too_much, errors = np.inf, []
         for key in tried:
-            if key.z_hds > highest:
+            if _asked(key) >= too_much:
                 continue
             try:
                 found = algorithm_1(robot, obstacle, key, effort)
@@ -192,11 +196,21 @@ def _first(
                 return found
             except Infeasible as error:
                 errors.append(error)
-                if isinstance(error, OutOfReach):
-                    highest = min(highest, key.z_hds - error.short)
+                if isinstance(error, (OutOfReach, NoWay)):
+                    lower = np.hypot(1.0, LEAN) * error.short if isinstance(error, OutOfReach) else 0.0
+                    too_much = min(too_much, _asked(key) - lower)
                 if error.nearest is not None:
                     raise
-    raise min(errors, key=lambda error: (isinstance(error, OutOfReach), error.short))
+    least = min(errors, key=lambda error: (isinstance(error, OutOfReach), error.short))
+    raise least.explain() if isinstance(least, NoWay) else least
+
+
+def _asked(key: KeyConfiguration) -> float:
+    """What a key configuration asks of a leg's reach, as a height of the waist [m].
+
+    A longer step takes the waist half as much further from either foot, which a leaning leg makes up for by going down.
+    """
+    return key.z_hds + LEAN * key.x_ads / 2.0
 
 
 def _crossable(robot: Robot, obstacle: Obstacle, options: dict[str, Any]) -> bool:

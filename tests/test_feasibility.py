@@ -11,7 +11,7 @@ import pytest
 from stepover import Infeasible, Obstacle
 from stepover.model import pose
 from stepover.model.collision import exact_distance
-from stepover.units.feasibility import key_configurations
+from stepover.units.feasibility import key_configurations, key_postures
 
 
 def posture(robot, key, leading=-1):
@@ -60,6 +60,19 @@ def test_a_wrong_start_shows(robot, obstacle, key):
     posture = dataclasses.replace(robot.posture, waist_height=0.60, angles_deg=MappingProxyType(angles))
     low = dataclasses.replace(robot, posture=posture)
     assert key_configurations(low, obstacle)[0].x_ads > key.x_ads + 0.05
+
+
+@pytest.mark.parametrize("height", [0.05, 0.15, 0.25])
+def test_the_search_finds_what_judging_every_posture_finds(robot, height):
+    obstacle, search = Obstacle(height, 0.05), robot.feasibility
+    found = key_configurations(robot, obstacle)
+    shortest = obstacle.safe_depth + robot.foot.heel + robot.foot.toe + 2.0 * search.foothold_clearance
+    steps = np.arange(shortest, search.step_length_max + 1e-9, search.step_length_step)
+    heights = np.arange(robot.posture.waist_height, search.waist_height_min - 1e-9, -search.waist_height_step)
+    x_ads, z_hds = (axis.ravel() for axis in np.meshgrid(steps, heights, indexing="ij"))
+    good = key_postures(robot, obstacle, x_ads, 0.5 * x_ads, z_hds, found[0].yaw).good(search.spare)
+    good &= x_ads <= x_ads[good].min() + search.step_length_more + 1e-9
+    assert [(key.x_ads, key.z_hds) for key in found] == list(zip(x_ads[good], z_hds[good], strict=True))
 
 
 def test_knees_keep_15_degrees_and_joints_their_limits(robot, keys):

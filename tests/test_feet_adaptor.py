@@ -1,12 +1,12 @@
 import numpy as np
 import pytest
 
-from stepover.errors import Infeasible
+from stepover.errors import Infeasible, NoWay
 from stepover.model.obstacle import Obstacle
 from stepover.planned import Effort
 from stepover.planner import algorithm_1, plan_in_detail
 from stepover.units import adaptor_ways
-from stepover.units.adaptor_ways import clearances, raise_waist, shift_back, waist_bump
+from stepover.units.adaptor_ways import raise_waist, shift_back, stance_clearances, swing_clearances, waist_bump
 from stepover.units.beyond_paper import extra_shape, extra_zmp
 from stepover.units.com_waist import com_and_waist
 from stepover.units.feasibility import key_configurations
@@ -123,7 +123,8 @@ def test_looking_closer_step_by_step_misses_no_way(robot, high):
     raises = np.arange(0.0, adaptor.raise_max + 1e-9, adaptor.raise_step)
     shifts = np.arange(0.0, adaptor.shift_max + 1e-9, adaptor.shift_step)
     ways = np.array([(height, shift) for height in raises for shift in shifts])
-    free = clearances(robot, obstacle, sequence, waist, feet, ways, adaptor.look_every)
+    stance = stance_clearances(robot, obstacle, sequence, waist, feet, ways[:, 0], adaptor.look_every)
+    free = np.minimum(stance, swing_clearances(robot, obstacle, sequence, waist, feet, ways, adaptor.look_every))
     enough = np.flatnonzero(free >= adaptor.spare)
     assert 0 < len(enough) < 0.9 * len(ways)
     np.testing.assert_allclose([result.raised, result.shift], ways[enough[0]])
@@ -132,7 +133,9 @@ def test_looking_closer_step_by_step_misses_no_way(robot, high):
 def test_of_ways_that_differ_by_rounding_the_least_is_taken(robot, high, monkeypatch):
     obstacle, sequence, waist, feet = high
     noise = np.random.default_rng(1)
-    monkeypatch.setattr(adaptor_ways, "clearances", lambda *args: -0.03 + noise.normal(0.0, 1e-17, len(args[5])))
+    for leg in ("stance", "swing"):
+        alike = lambda *args: -0.03 + noise.normal(0.0, 1e-17, len(args[5]))  # noqa: E731
+        monkeypatch.setattr(adaptor_ways, f"{leg}_clearances", alike)
     result = adapt_feet(robot, obstacle, sequence, waist, feet)
     assert (result.raised, result.shift) == (0.0, 0.0)
 
@@ -142,9 +145,21 @@ def test_without_any_method_it_says_what_remains(robot, high):
     result = adapt_feet(robot, obstacle, sequence, waist, feet, methods=())
     assert not result.clear
     assert not result.acted
-    error = result.explain(robot, sequence)
+    error = result.explain(robot, obstacle, sequence, waist)
     assert "LLEG_LINK3" in str(error)
     assert f"{1e3 * error.short:.1f} mm inside" in str(error)
+
+
+def test_what_is_too_much_for_method_3_is_not_pushed_and_explained_when_asked(robot):
+    obstacle = Obstacle(0.25, 0.05)
+    first = key_configurations(robot, obstacle)[0]
+    with pytest.raises(NoWay) as caught:
+        algorithm_1(robot, obstacle, first, Effort(level=1))
+    assert caught.value.short > robot.adaptor.push_max
+    said = caught.value.explain()
+    assert "FTA finds no way: LLEG_LINK3 stays" in str(said)
+    assert "phase 3" in str(said)
+    assert said.short >= caught.value.short
 
 
 def test_at_25_cm_nothing_goes_without_the_two_units(robot):

@@ -177,6 +177,21 @@ def test_the_reach_ends_where_thigh_and_shank_are_straight(robot, side):
     assert leg.attempt(waist, foot)[1] == pytest.approx([0.0, 0.0, 1e-3], abs=1e-9)
 
 
+@pytest.mark.parametrize("which", ["closed form", "numerical"])
+def test_the_knee_alone_is_that_of_the_whole_leg(robot, other_leg, which):
+    leg = robot.leg(1) if which == "closed form" else other_leg
+    angles = leg.rest + np.random.default_rng(8).uniform(-0.2, 0.2, (50, 6))
+    waist = pose.pose(np.random.default_rng(9).normal(size=(50, 3)))
+    soles = pose.from_matrices(*leg.sole(waist, angles))
+    soles[0, :3] = waist[0, :3] - [0.0, 0.0, 2.0]
+    everything, excess = leg.attempt(waist, soles)
+    knee, short = leg.knee(waist, soles)
+    np.testing.assert_array_equal(knee, everything[:, 3])
+    np.testing.assert_array_equal(short, excess)
+    assert short[0] > 0.5
+    assert not short[1:].any()
+
+
 @pytest.mark.parametrize("side", SIDES)
 def test_a_foot_beside_its_reach_is_no_exception(robot, side):
     far = pose.pose(np.array([[0.0, 0.9 * side, 0.0]]))

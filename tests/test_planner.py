@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import json
 import subprocess
 import sys
-from itertools import pairwise
 
 import numpy as np
 import pinocchio as pin
@@ -16,7 +16,8 @@ from conftest import HRP2, yaw_of
 from stepover import Infeasible, InvalidInput, Motion, Obstacle, load_robot, plan, quasi_static_plan
 from stepover.model import pose
 from stepover.model.support import zmp_margin
-from stepover.planner import plan_in_detail
+from stepover.planner import algorithm_1, plan_in_detail
+from stepover.units.feasibility import key_configurations
 from stepover.verdict import measure
 
 CORNERS = [(height, width) for height in (0.05, 0.15) for width in (0.02, 0.08)]
@@ -133,7 +134,7 @@ class TestFifteenCentimetres:
         """From q and the URDF: differences on the manifold, RNEA and the wrench's transport, all by pinocchio."""
         model = pin.buildModelFromUrdf(str(URDF), pin.JointModelFreeFlyer())
         data, dt, q = model.createData(), 0.005, motion.q
-        steps = np.array([pin.difference(model, a, b) for a, b in pairwise(q)])
+        steps = np.array([pin.difference(model, a, b) for a, b in itertools.pairwise(q)])
         zmps, coms = [], []
         for k in range(1, len(q) - 1):
             velocity = (steps[k] + steps[k - 1]) / (2.0 * dt)
@@ -305,6 +306,18 @@ def test_too_near_names_the_distance_that_does(robot):
     motion = crossing(robot, caught.value.nearest)
     assert motion.obstacle[0] == pytest.approx(caught.value.nearest.distance)
     assert "at a distance of" in str(caught.value)
+
+
+@pytest.mark.parametrize(("height", "width"), [(0.25, 0.05), (0.225, 0.05), (0.2, 0.05), (0.2221, 0.0244)])
+def test_a_key_configuration_that_is_passed_over_would_not_have_done(robot, height, width):
+    obstacle = Obstacle(height, width)
+    found = plan_in_detail(robot, obstacle)
+    before = list(itertools.takewhile(lambda key: key != found.key, key_configurations(robot, obstacle)))
+    apart = robot.feasibility.step_length_more_step
+    steps = [(key, (key.x_ads - before[0].x_ads) / apart) for key in before]
+    for key in [key for key, step in steps if abs(step - round(step)) < 1e-6]:
+        with pytest.raises(Infeasible):
+            algorithm_1(robot, obstacle, key, found.effort)
 
 
 def test_the_error_is_what_lacks_least_with_all_that_may_be_used(robot):

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -57,6 +58,12 @@ class Leg:
         return [(*self.body.origin(joint)[:2], self.body.axes[self.body.column(joint) - 7]) for joint in self.joints]
 
     @cached_property
+    def _bones(self) -> tuple[complex, complex]:
+        """Hip to knee and knee to ankle seen from the side, z + i x [m]."""
+        thigh, shank = (self._chain[i][1] for i in (3, 4))
+        return complex(thigh[2], thigh[0]), complex(shank[2], shank[0])
+
+    @cached_property
     def is_closed_form(self) -> bool:
         """Whether the closed form applies: axes z x y y y x, hip axes meeting, ankle axes meeting."""
         rotations, origins, axes = (np.array(part) for part in zip(*self._chain, strict=True))
@@ -100,17 +107,13 @@ class Leg:
         Raises:
             OutOfReach: a target is out of reach; names the joint and, with time, when.
         """
-        angles, excess = self.attempt(waist, sole)
-        worst = int(np.argmax(excess))
-        if excess[worst] > 0.0:
-            when = f"sample {worst}" if time is None else f"t = {time[worst]:.3f} s"
-            side = "left" if self.side > 0 else "right"
-            knee = self.joints[self._knee]
-            raise OutOfReach(
-                f"{knee} over-stretches: the {side} sole is {1e3 * excess[worst]:.1f} mm out of reach at {when}",
-                short=float(excess[worst]),
-            )
-        return angles
+        if not self.is_closed_form:
+            angles, excess = self.attempt(waist, sole)
+            self._require_reach(excess, time)
+            return angles
+        bent = self._bend(waist, sole)
+        self._require_reach(bent.excess, time)  # before the hip is known: a planner's attempts often end here
+        return self._angles(bent)
 
     def attempt(self, waist: np.ndarray, sole: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """As inverse, without raising: angles (N, 6), and how far each target is out of reach (N,) [m] or 0."""
@@ -120,18 +123,42 @@ class Leg:
             return self.meeting_axes.solve(waist, sole, self.ankle_height, self.rest[3])
         return self._newton(waist, sole)
 
+    def knee(self, waist: np.ndarray, sole: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """As attempt, for the knee's angle (N,) alone."""
+        if self.is_closed_form:
+            bent = self._bend(waist, sole)
+            return _wrapped(bent.knee), bent.excess
+        angles, excess = self.attempt(waist, sole)
+        return angles[:, self._knee], excess
+
+    def _require_reach(self, excess: np.ndarray, time: np.ndarray | None) -> None:
+        """Raise OutOfReach where a target is out of reach by some excess (N,) [m]."""
+        worst = int(np.argmax(excess))
+        if excess[worst] > 0.0:
+            when = f"sample {worst}" if time is None else f"t = {time[worst]:.3f} s"
+            side = "left" if self.side > 0 else "right"
+            knee = self.joints[self._knee]
+            raise OutOfReach(
+                f"{knee} over-stretches: the {side} sole is {1e3 * excess[worst]:.1f} mm out of reach at {when}",
+                short=float(excess[worst]),
+            )
+
     @property
     def _knee(self) -> int:
         """Position of the knee in the chain: where the middle of the leg's length is."""
         return next(i for i in range(1, 6) if np.linalg.norm(self._chain[i][1]) > 0.1)
 
     def _closed_form(self, waist: np.ndarray, sole: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """First the bend of the leg, then the turn of its hip."""
+        bent = self._bend(waist, sole)
+        return self._angles(bent), bent.excess
+
+    def _bend(self, waist: np.ndarray, sole: np.ndarray) -> _Bend:
         """Planar triangle hip-knee-ankle, in complex numbers z + i x: a turn by q about y is a factor exp(i q)."""
-        origins = np.array([origin for _, origin, _ in self._chain])
-        thigh, shank = (complex(origins[i][2], origins[i][0]) for i in (3, 4))
-        lateral = origins[2:, 1].sum()  # ankle beside the hip along the pitch axes
+        thigh, shank = self._bones
+        lateral = sum(origin[1] for _, origin, _ in self._chain[2:])  # ankle beside the hip along the pitch axes
         waist_r, foot_r = pose.rotation(waist), pose.rotation(sole)
-        hip = waist[:, :3] + waist_r @ origins[0]
+        hip = waist[:, :3] + waist_r @ self._chain[0][1]
         ankle = sole[:, :3] + self.ankle_height * foot_r[:, :, 2]
         x, y, z = np.einsum("ban,bn->an", np.ascontiguousarray(foot_r.transpose(1, 2, 0)), (hip - ankle).T)
         radius = np.maximum(np.hypot(y, z), abs(lateral))
@@ -142,18 +169,20 @@ class Leg:
         cosine = (length**2 - abs(thigh) ** 2 - abs(shank) ** 2) / (2.0 * abs(thigh) * abs(shank))
         bend = np.sign(self.rest[3]) * np.arccos(np.clip(cosine, -1.0, 1.0))
         knee = bend + np.angle(thigh) - np.angle(shank)
-        pitch = -np.angle(-reach / (thigh + shank * np.exp(1j * knee))) - knee
-        upper = np.swapaxes(waist_r, 1, 2) @ foot_r @ axis_rotation(np.eye(3)[0], -roll)
+        return _Bend(waist_r, foot_r, reach, roll, knee, excess)
+
+    def _angles(self, bent: _Bend) -> np.ndarray:
+        """Joint angles (N, 6) of a leg whose knee and ankle's roll are known."""
+        (thigh, shank), knee, roll = self._bones, bent.knee, bent.roll
+        pitch = -np.angle(-bent.reach / (thigh + shank * np.exp(1j * knee))) - knee
+        upper = np.swapaxes(bent.waist_r, 1, 2) @ bent.foot_r @ axis_rotation(np.eye(3)[0], -roll)
         upper = upper @ axis_rotation(np.eye(3)[1], -(knee + pitch))
         hip_angles = [
             np.arctan2(-upper[:, 0, 1], upper[:, 1, 1]),
             np.arcsin(np.clip(upper[:, 2, 1], -1.0, 1.0)),
             np.arctan2(-upper[:, 2, 0], upper[:, 2, 2]),
         ]
-        turned = np.column_stack([*hip_angles, knee, pitch, roll]) + np.pi
-        beyond = (turned < 0.0) | (turned >= 2.0 * np.pi)  # few, and the remainder is slow
-        turned[beyond] %= 2.0 * np.pi
-        return turned - np.pi, excess
+        return _wrapped(np.column_stack([*hip_angles, knee, pitch, roll]))
 
     def _newton(self, waist: np.ndarray, sole: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Damped Newton iteration on the pose error of all samples at once, from half-sitting."""
@@ -183,3 +212,29 @@ class Leg:
             rotations = (rotations @ fixed) @ axis_rotation(axis, angles[:, k])
             axes[:, k], centres[:, k] = rotations @ axis, positions
         return rotations, positions, axes, centres
+
+
+class _Bend(NamedTuple):
+    """What the closed form knows of N postures before it turns to the hip.
+
+    Attributes:
+        waist_r, foot_r: (N, 3, 3) rotations.
+        reach: (N,) ankle to hip in the leg's plane, z + i x [m].
+        roll, knee: (N,) angles [rad].
+        excess: (N,) how far the target is out of reach [m].
+    """
+
+    waist_r: np.ndarray
+    foot_r: np.ndarray
+    reach: np.ndarray
+    roll: np.ndarray
+    knee: np.ndarray
+    excess: np.ndarray
+
+
+def _wrapped(angles: np.ndarray) -> np.ndarray:
+    """Angles [rad] within half a turn of zero."""
+    turned = angles + np.pi
+    beyond = (turned < 0.0) | (turned >= 2.0 * np.pi)  # few, and the remainder is slow
+    turned[beyond] %= 2.0 * np.pi
+    return np.asarray(turned - np.pi)

@@ -12,8 +12,8 @@ from stepover.units.feet_trajectories import FeetTrajectories, clamped_spline
 from stepover.units.leg_check import LegPosture, leg_posture, leg_separation
 from stepover.units.step_sequence import LEG_2, Step, StepSequence
 
-CLOSER = (8, 1)
-"""Of the samples that the search looks at, every so many; few of them rule most ways out."""
+FEW = 8
+"""Of the samples that the search looks at, every so many are enough to rule most ways out."""
 TIE = 1e-9
 """Better by less is rounding [m]: the swing foot lies where it lies, whatever the waist's height."""
 
@@ -26,23 +26,22 @@ def best_way(
     feet: FeetTrajectories,
     raises: np.ndarray,
     shifts: np.ndarray,
+    hopeless: float,
 ) -> tuple[float, float, float]:
-    """By how much the legs are free, the shift and the raise [m] for it: the first that is enough, else the best."""
-    adaptor = robot.adaptor
-    ways = np.array([(height, shift) for height in raises for shift in shifts])
-    free = np.full(len(ways), np.inf)
-    for every in CLOSER:
-        left = free > -np.inf
-        free[left] = clearances(robot, obstacle, sequence, waist, feet, ways[left], every * adaptor.look_every)
-    best = (-np.inf, 0.0, 0.0)
-    for height, by in zip(raises, free.reshape(len(raises), -1), strict=True):  # (1), then (2) and (1) again
-        enough = by >= adaptor.spare
-        first = int(np.argmax(enough if enough.any() else by >= by.max() - TIE))
-        if by[first] > best[0] + TIE or best[0] == -np.inf:
-            best = (float(by[first]), float(shifts[first]), float(height))
-        if enough.any():
-            break
-    return best
+    """By how much the legs are free, the shift and the raise [m] for it: the first that is enough, else the best.
+
+    Few samples rule most ways out: those that are not freer there than what is hopeless [m].
+    """
+    spare, every = robot.adaptor.spare, robot.adaptor.look_every
+    ways = np.array([(height, shift) for height in raises for shift in shifts])  # (1), then (2) and (1) again
+    asked = robot, obstacle, sequence, waist, feet
+    free = np.repeat(stance_clearances(*asked, raises, every), len(shifts))
+    for closer in (FEW * every, every):
+        hopeful = free > hopeless
+        free[hopeful] = np.minimum(free[hopeful], swing_clearances(*asked, ways[hopeful], closer))
+    best = int(np.argmax(free >= min(spare, free.max() - TIE)))
+    height, shift = ways[best].tolist()
+    return float(free[best]), shift, height
 
 
 def shift_back(robot: Robot, feet: FeetTrajectories, step: Step, distance: float) -> FeetTrajectories:
@@ -82,7 +81,27 @@ def _bump(peak: float, end: float, count: int) -> np.ndarray:
     return bump
 
 
-def clearances(
+def stance_clearances(
+    robot: Robot,
+    obstacle: Obstacle,
+    sequence: StepSequence,
+    waist: np.ndarray,
+    feet: FeetTrajectories,
+    raises: np.ndarray,
+    every: int,
+) -> np.ndarray:
+    """Smallest separation (H,) [m] of the stance leg in phase 3 for raises (H,) of the waist, at every so many samples.
+
+    Up to the spare that is asked for; -inf beyond reach or limits.
+    """
+    step = sequence.step(LEG_2)
+    look = slice(step.lift_off, step.touch_down + 1, every)
+    soles = _copies(feet.foot(-step.side)[look], len(raises))
+    waists = _raised(robot, step, waist[look], raises, every)
+    return _leg_clearances(robot, -step.side, waists, soles, *limits(robot, obstacle, sequence))
+
+
+def swing_clearances(
     robot: Robot,
     obstacle: Obstacle,
     sequence: StepSequence,
@@ -91,22 +110,20 @@ def clearances(
     ways: np.ndarray,
     every: int,
 ) -> np.ndarray:
-    """Smallest separation (C,) [m] of the legs in phase 3 for ways (C, 2), raise and shift, at every so many samples.
-
-    Up to the spare that is asked for; -inf beyond reach or limits.
-    """
+    """The same (C,) of the swing leg for ways (C, 2), raise and shift."""
     step = sequence.step(LEG_2)
-    look, swing = slice(step.lift_off, step.touch_down + 1, every), slice(None, None, every)
-    asked = limits(robot, obstacle, sequence)
-    heights, which = np.unique(ways[:, 0], return_inverse=True)
-    waists, stance = _copies(waist[look], len(heights)), _copies(feet.foot(-step.side)[look], len(heights))
-    waists[..., 2] += np.outer(heights, _up(robot, step)[swing])
+    look = slice(step.lift_off, step.touch_down + 1, every)
     soles = _copies(feet.foot(step.side)[look], len(ways))
-    soles[..., 0] -= np.outer(ways[:, 1], _back(robot, step)[swing])
-    free = _leg_clearances(robot, -step.side, waists, stance, *asked)[which]
-    able = free > -np.inf
-    free[able] = np.minimum(free[able], _leg_clearances(robot, step.side, waists[which[able]], soles[able], *asked))
-    return free
+    soles[..., 0] -= np.outer(ways[:, 1], _back(robot, step)[::every])
+    waists = _raised(robot, step, waist[look], ways[:, 0], every)
+    return _leg_clearances(robot, step.side, waists, soles, *limits(robot, obstacle, sequence))
+
+
+def _raised(robot: Robot, step: Step, waist: np.ndarray, raises: np.ndarray, every: int) -> np.ndarray:
+    """Waists (H, n, 7) raised by some raises (H,), of the waist (n, 7) at every so many samples of a swing."""
+    waists = _copies(waist, len(raises))
+    waists[..., 2] += np.outer(raises, _up(robot, step)[::every])
+    return waists
 
 
 def _copies(poses: np.ndarray, count: int) -> np.ndarray:

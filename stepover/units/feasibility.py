@@ -17,9 +17,9 @@ from stepover.errors import Infeasible
 from stepover.model.obstacle import Obstacle
 from stepover.model.pose import pose
 from stepover.model.robot import Robot
-from stepover.units.leg_check import LegCheck, check_legs, leg_shapes
+from stepover.units.leg_check import LegCheck, check_legs, leg_is_free, leg_shapes
 
-STEPS_AT_ONCE = 16
+STEPS_AT_ONCE = 20
 """Step lengths that are judged together: enough for arrays to pay, few enough to stop soon."""
 
 
@@ -65,27 +65,43 @@ def key_configurations(robot: Robot, obstacle: Obstacle, leading: int = -1) -> l
             f"no key configuration: {obstacle.width:.3f} m of width need a step of {shortest:.3f} m "
             f"from toe to heel, the longest is {search.step_length_max:.3f} m"
         )
-    steps = np.arange(shortest, search.step_length_max + 1e-9, search.step_length_step)
+    all_steps = np.arange(shortest, search.step_length_max + 1e-9, search.step_length_step)
     heights = np.arange(robot.posture.waist_height, search.waist_height_min - 1e-9, -search.waist_height_step)
     yaw = -leading * np.radians(search.waist_yaw_deg)
     found: list[KeyConfiguration] = []
-    judged: list[tuple[LegCheck, np.ndarray, np.ndarray]] = []
+    steps = all_steps
     while len(steps):
         some, steps = steps[:STEPS_AT_ONCE], steps[STEPS_AT_ONCE:]
-        x_ads, z_hds = (axis.ravel() for axis in np.meshgrid(some, heights, indexing="ij"))
-        postures = key_postures(robot, obstacle, x_ads, search.delta_ds * x_ads, z_hds, yaw)
-        good = postures.good(search.spare)
+        x_ads, z_hds = _grid(some, heights)
+        good = _good(robot, obstacle, x_ads, search.delta_ds * x_ads, z_hds, yaw)
         pairs = zip(x_ads[good].tolist(), z_hds[good].tolist(), strict=True)
         found += [KeyConfiguration(x, search.delta_ds * x, z, yaw) for x, z in pairs]
-        judged.append((postures, x_ads, z_hds))
         if found:
             longest = found[0].x_ads + search.step_length_more + 1e-9
             found, steps = [key for key in found if key.x_ads <= longest], steps[steps <= longest]
     if not found:
-        tables, *grids = zip(*judged, strict=True)
-        everything = LegCheck(*(np.concatenate(part) for part in zip(*tables, strict=True)))
-        raise Infeasible(_why_not(robot, everything, yaw, *(np.concatenate(grid) for grid in grids)))
+        x_ads, z_hds = _grid(all_steps, heights)
+        postures = key_postures(robot, obstacle, x_ads, search.delta_ds * x_ads, z_hds, yaw)
+        raise Infeasible(_why_not(robot, postures, yaw, x_ads, z_hds))
     return found
+
+
+def _grid(steps: np.ndarray, heights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Each step length with each waist height, (N,) each [m]: in the order of the search."""
+    return np.repeat(steps, len(heights)), np.tile(heights, len(steps))
+
+
+def _good(
+    robot: Robot, obstacle: Obstacle, x_ads: np.ndarray, x_hds: np.ndarray, z_hds: np.ndarray, yaw: float
+) -> np.ndarray:
+    """Which key configurations both legs can take, (N,) bool: first the trailing one, whose knee is in the way."""
+    waist, soles, rectangles, knee_margin = _asked(robot, obstacle, x_ads, x_hds, z_hds, yaw)
+    good = np.ones(len(waist), dtype=bool)
+    for side, sole in reversed(soles.items()):
+        if good.any():
+            there = waist[good], sole[good], rectangles[good]
+            good[good] = leg_is_free(robot, side, *there, knee_margin, robot.feasibility.spare)
+    return good
 
 
 def key_postures(
@@ -95,11 +111,18 @@ def key_postures(
 
     The rear ankle stands at x = 0. A positive yaw brings the right hip ahead: the right leg is the front one then.
     """
+    waist, soles, rectangles, knee_margin = _asked(robot, obstacle, x_ads, x_hds, z_hds, yaw)
+    return check_legs(robot, waist, soles[1], soles[-1], rectangles, knee_margin, up_to=robot.feasibility.spare)
+
+
+def _asked(
+    robot: Robot, obstacle: Obstacle, x_ads: np.ndarray, x_hds: np.ndarray, z_hds: np.ndarray, yaw: float
+) -> tuple[np.ndarray, dict[int, np.ndarray], np.ndarray, float]:
+    """Waist (N, 7), sole (N, 7) of each side, what must stay free (N, 4), and the knees' margin from straight [rad]."""
     waist, soles = _stance(robot, x_ads, x_hds, z_hds, yaw)
     ahead = np.outer(front_face(robot, obstacle, x_ads), [1.0, 1.0, 0.0, 0.0])
     rectangles = obstacle.profile(0.0, margins=True) + ahead
-    knee_margin = np.radians(robot.feasibility.knee_margin_deg)
-    return check_legs(robot, waist, soles[1], soles[-1], rectangles, knee_margin, up_to=robot.feasibility.spare)
+    return waist, soles, rectangles, np.radians(robot.feasibility.knee_margin_deg)
 
 
 def _stance(
@@ -133,7 +156,7 @@ def _why_not(robot: Robot, postures: LegCheck, yaw: float, x_ads: np.ndarray, z_
     depth = 1e3 * (search.spare - postures.separation[best])
     return (
         f"no key configuration: at the best posture (X_ads {x_ads[best]:.3f} m, Z_hds {z_hds[best]:.3f} m) "
-        f"{link} is {depth:.1f} mm inside the obstacle with its margins and {1e3 * search.spare:.0f} mm to spare"
+        f"{link} is {depth:.1f} mm too near to the obstacle with its margins"
     )
 
 

@@ -14,12 +14,12 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.ndimage import gaussian_filter1d, maximum_filter1d
 
-from stepover.errors import Infeasible
+from stepover.errors import Infeasible, NoWay
 from stepover.model.obstacle import Obstacle
 from stepover.model.robot import Robot
 from stepover.units.adaptor_ways import best_way, displaced, limits, raise_waist, shift_back, waist_bump
 from stepover.units.feet_trajectories import FeetTrajectories
-from stepover.units.leg_check import LegCheck, check_legs, leg_shapes
+from stepover.units.leg_check import check_legs, leg_is_free, leg_shapes
 from stepover.units.penetration import ankle_displacements
 from stepover.units.step_sequence import LEG_2, StepSequence
 
@@ -35,7 +35,9 @@ class Adaptation:
         raised: method (2), how far the waist rose [m].
         pushed: method (3), largest displacement of the ankle [m].
         start, end: first and last time at which anything differs [s], NaN if nothing does.
-        check: what the legs come to along phase 3, separations up to 0.
+        clear: whether the legs are free, within reach and limits along phase 3.
+        inside: how deep methods (1) and (2) leave the trailing leg inside at the least [m], where that is more than
+            method (3) is for, infinity where the legs do not reach; else 0.
     """
 
     feet: FeetTrajectories
@@ -45,25 +47,30 @@ class Adaptation:
     pushed: float
     start: float
     end: float
-    check: LegCheck
+    clear: bool
+    inside: float = 0.0
 
     @property
     def acted(self) -> bool:
         """Whether anything was adapted."""
         return max(self.shift, self.raised, self.pushed) > 0.0
 
-    @property
-    def clear(self) -> bool:
-        """Whether the legs are free, within reach and limits along phase 3."""
-        return bool(self.check.good().all())
-
     def still_clear(self, robot: Robot, obstacle: Obstacle, sequence: StepSequence, waist: np.ndarray) -> bool:
         """Whether the adapted feet are free under another waist (N, 7), raised already: then FTA has nothing left."""
-        return bool(_check(robot, obstacle, sequence, waist, self.feet).good().all())
+        return _clear(robot, obstacle, sequence, waist, self.feet)
 
-    def explain(self, robot: Robot, sequence: StepSequence) -> Infeasible:
+    def refusal(self, robot: Robot, obstacle: Obstacle, sequence: StepSequence, waist: np.ndarray) -> Infeasible:
+        """What to raise where it is not clear, for the waist (N, 7) that was given: NoWay where it is far from that."""
+        if self.inside > 0.0:
+            return NoWay(self.inside, lambda: self.explain(robot, obstacle, sequence, waist))
+        return self.explain(robot, obstacle, sequence, waist)
+
+    def explain(self, robot: Robot, obstacle: Obstacle, sequence: StepSequence, waist: np.ndarray) -> Infeasible:
         """What remains where it is not clear: the link, the depth and when."""
-        check, step = self.check, sequence.step(LEG_2)
+        step, lifted = sequence.step(LEG_2), raise_waist(robot, sequence, waist, self.raised)
+        swing = slice(step.lift_off, step.touch_down + 1)
+        soles = self.feet.left[swing], self.feet.right[swing]
+        check = check_legs(robot, lifted[swing], *soles, *limits(robot, obstacle, sequence), up_to=0.0)
         worst = int(np.argmin(check.separation))
         if check.separation[worst] >= 0.0:
             worst = int(np.argmin(np.where(check.reach > 0.0, -1e3 * check.reach, check.limit)))
@@ -79,6 +86,8 @@ class Adaptation:
 
 METHODS = (1, 2, 3)
 """The methods of Sec. III-E, for those who want to switch some off."""
+SETTLED = 1e-4
+"""Method (3) ends with a round that would move the ankle by less [m]: a fifteenth of what is to spare."""
 
 
 def adapt_feet(
@@ -99,15 +108,25 @@ def adapt_feet(
         feet: trajectories of FTG.
         methods: which of the three may be used.
     """
-    adaptor = robot.adaptor
-    check = _check(robot, obstacle, sequence, waist, feet)
-    if check.good().all():
-        return Adaptation(feet, np.zeros(len(waist)), 0.0, 0.0, 0.0, np.nan, np.nan, check)
+    adaptor, step = robot.adaptor, sequence.step(LEG_2)
+    if _clear(robot, obstacle, sequence, waist, feet):
+        return Adaptation(feet, np.zeros(len(waist)), 0.0, 0.0, 0.0, np.nan, np.nan, clear=True)
     shifts = np.arange(0.0, adaptor.shift_max + 1e-9, adaptor.shift_step) if 1 in methods else np.zeros(1)
     raises = np.arange(0.0, adaptor.raise_max + 1e-9, adaptor.raise_step) if 2 in methods else np.zeros(1)
-    free_by, shift, height = best_way(robot, obstacle, sequence, waist, feet, raises, shifts)
-    push = 3 in methods and -adaptor.push_max < free_by < adaptor.spare
-    return _adaptation(robot, obstacle, sequence, waist, feet, shift, height, push)
+    hopeless = -adaptor.push_max if 3 in methods else -np.inf
+    free_by, shift, height = best_way(robot, obstacle, sequence, waist, feet, raises, shifts, hopeless)
+    lifted = raise_waist(robot, sequence, waist, height)
+    shifted = shift_back(robot, feet, step, shift) if shift > 0.0 else feet
+    push = 3 in methods and hopeless < free_by < adaptor.spare
+    adapted = push_ankle(robot, obstacle, sequence, lifted, shifted) if push else shifted
+    pushed = np.linalg.norm(adapted.foot(step.side)[:, :3] - shifted.foot(step.side)[:, :3], axis=1).max()
+    bump = waist_bump(robot, sequence, height)
+    changed = np.abs(adapted.foot(step.side) - feet.foot(step.side)).max(axis=1) + bump > 1e-9
+    when = sequence.time[changed]
+    span = (float(when[0]), float(when[-1])) if changed.any() else (np.nan, np.nan)
+    inside = -free_by if free_by <= hopeless else 0.0
+    clear = inside == 0.0 and _clear(robot, obstacle, sequence, lifted, adapted)
+    return Adaptation(adapted, bump, shift, height, float(pushed), *span, clear, inside)
 
 
 def push_ankle(
@@ -128,7 +147,7 @@ def push_ankle(
     for _ in range(adaptor.push_rounds):
         rectangle = obstacle.profile(sequence.front_face, margins=True)
         push = ankle_displacements(robot, step.side, waist[swing], feet.foot(step.side)[swing], rectangle, adaptor)
-        if not push.any():
+        if np.abs(push).max() < SETTLED:
             break
         ahead, back = (maximum_filter1d(np.maximum(way, 0.0), int(width) | 1, axis=0) for way in (push, -push))
         spread = gaussian_filter1d(ahead - back, width / 3.0, axis=0)
@@ -139,35 +158,10 @@ def push_ankle(
     return feet
 
 
-def _adaptation(
-    robot: Robot,
-    obstacle: Obstacle,
-    sequence: StepSequence,
-    waist: np.ndarray,
-    feet: FeetTrajectories,
-    shift: float,
-    height: float,
-    push: bool,
-) -> Adaptation:
-    """Apply what was found and say whether it is enough."""
-    step = sequence.step(LEG_2)
-    lifted = raise_waist(robot, sequence, waist, height)
-    shifted = shift_back(robot, feet, step, shift) if shift > 0.0 else feet
-    adapted = push_ankle(robot, obstacle, sequence, lifted, shifted) if push else shifted
-    moved = np.linalg.norm(adapted.foot(step.side)[:, :3] - shifted.foot(step.side)[:, :3], axis=1).max()
-    check = _check(robot, obstacle, sequence, lifted, adapted)
-    bump = waist_bump(robot, sequence, height)
-    changed = np.abs(adapted.foot(step.side) - feet.foot(step.side)).max(axis=1) + bump > 1e-9
-    when = sequence.time[changed]
-    span = (float(when[0]), float(when[-1])) if changed.any() else (np.nan, np.nan)
-    return Adaptation(adapted, bump, shift, height, float(moved), *span, check)
-
-
-def _check(
-    robot: Robot, obstacle: Obstacle, sequence: StepSequence, waist: np.ndarray, feet: FeetTrajectories
-) -> LegCheck:
-    """Legs along phase 3 against the obstacle with its margins and the knee's margin of the verdict."""
-    step = sequence.step(LEG_2)
+def _clear(robot: Robot, obstacle: Obstacle, sequence: StepSequence, waist: np.ndarray, feet: FeetTrajectories) -> bool:
+    """Whether both legs are free along phase 3, within reach and limits: first the trailing one, which may not be."""
+    step, asked = sequence.step(LEG_2), limits(robot, obstacle, sequence)
     swing = slice(step.lift_off, step.touch_down + 1)
-    soles = feet.left[swing], feet.right[swing]
-    return check_legs(robot, waist[swing], *soles, *limits(robot, obstacle, sequence), up_to=0.0)
+    return all(
+        leg_is_free(robot, side, waist[swing], feet.foot(side)[swing], *asked).all() for side in (step.side, -step.side)
+    )

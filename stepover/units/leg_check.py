@@ -5,6 +5,7 @@ What FU asks of a key configuration, UBMG of the lead knee and FTA of the traili
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -33,6 +34,7 @@ class LegCheck(NamedTuple):
         return (self.reach <= 0.0) & (self.limit >= 0.0) & (self.separation >= spare)
 
 
+@lru_cache(maxsize=16)
 def leg_shapes(robot: Robot) -> list[Shape]:
     """Collision shapes of the legs' links."""
     joints = {robot.body.index(joint) for joint in (*robot.legs.left, *robot.legs.right)}
@@ -74,6 +76,24 @@ def check_legs(
     )
 
 
+def leg_is_free(
+    robot: Robot,
+    side: int,
+    waist: np.ndarray,
+    sole: np.ndarray,
+    rectangle: np.ndarray,
+    knee_margin: float,
+    spare: float = 0.0,
+) -> np.ndarray:
+    """Which postures one leg can take, (N,) bool: what LegCheck.good says of both, without saying why not."""
+    posture = leg_posture(robot, side, waist, sole, knee_margin)
+    free = posture.able()
+    able = LegPosture(*(part[free] for part in posture))
+    left = rectangle if rectangle.ndim == 1 else rectangle[free]
+    free[free] = leg_separation(robot, side, able, left, spare)[0] >= spare
+    return free
+
+
 class LegPosture(NamedTuple):
     """One leg at N postures: configurations (N, nq) with nothing else set, reach and limit as in LegCheck."""
 
@@ -105,7 +125,14 @@ def leg_separation(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Smallest separation (N,) [m] of one leg from a rectangle, up to a largest one; its index (N,) in leg_shapes."""
     placements = robot.body.placements(posture.q, robot.leg(side).joints)
-    shapes = leg_shapes(robot)
-    own = [k for k, shape in enumerate(shapes) if robot.body.joint_names[shape.joint - 2] in robot.leg(side).joints]
-    distance, which = least_separation([shapes[k] for k in own], placements, rectangle, up_to)
-    return distance, np.array(own)[which]
+    own, shapes = _own_shapes(robot, side)
+    distance, which = least_separation(shapes, placements, rectangle, up_to)
+    return distance, own[which]
+
+
+@lru_cache(maxsize=32)
+def _own_shapes(robot: Robot, side: int) -> tuple[np.ndarray, list[Shape]]:
+    """Indices in leg_shapes of one leg's shapes, and those shapes."""
+    joints = {robot.body.index(joint) for joint in robot.leg(side).joints}
+    own = [k for k, shape in enumerate(leg_shapes(robot)) if shape.joint in joints]
+    return np.array(own), [leg_shapes(robot)[k] for k in own]
