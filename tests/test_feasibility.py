@@ -146,7 +146,7 @@ def test_higher_wider_and_safer_never_need_a_shorter_step(robot):
 
 
 def test_what_fits_under_no_leg_names_the_link_and_how_deep(robot):
-    with pytest.raises(Infeasible, match=r"no key configuration.*LINK\d is \d+\.\d mm inside"):
+    with pytest.raises(Infeasible, match=r"no key configuration.*LINK\d is \d+\.\d mm too near"):
         key_configurations(robot, Obstacle(0.9, 0.05))
 
 

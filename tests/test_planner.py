@@ -278,7 +278,7 @@ def test_wider_margins_are_kept(robot):
 @pytest.mark.parametrize(
     ("obstacle", "way", "constraint"),
     [
-        (Obstacle(0.9, 0.05), "height", r"LEG_LINK\d is \d+\.\d mm inside"),
+        (Obstacle(0.9, 0.05), "height", r"LEG_LINK\d is \d+\.\d mm too near"),
         (Obstacle(0.15, 0.9), "width", r"longest is 0\.600 m"),
     ],
     ids=["high", "wide"],

@@ -36,7 +36,7 @@ def test_rows_say_what_became_of_each_obstacle(uninterrupted):
     assert crossed.crossed is None, "there was no physics"
     assert not refused.planned
     assert refused.motion is None
-    assert "mm inside the obstacle with its margins" in refused.reason
+    assert "mm too near to the obstacle with its margins" in refused.reason
 
 
 def test_a_resumed_study_equals_an_uninterrupted_one(uninterrupted, tmp_path, monkeypatch):
