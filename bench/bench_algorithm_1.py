@@ -11,6 +11,7 @@ import tracemalloc
 import pytest
 from prepared import HIGHER, WIDTH, ready
 
+from stepover.model.body import _pool as rigid_joints
 from stepover.model.obstacle import Obstacle
 from stepover.planner import plan_in_detail, whole_body
 from stepover.units.beyond_paper import extra_shape, extra_zmp, waist_delay
@@ -57,6 +58,16 @@ def test_whole(measure, benchmark, robot, height):
     plan_in_detail(robot, Obstacle(height, WIDTH))
     benchmark.extra_info |= {"peak_bytes": tracemalloc.get_traced_memory()[1], "samples": len(plan.motion.time)}
     tracemalloc.stop()
+
+
+@heights
+def test_on_one_thread(measure, monkeypatch, robot, height):
+    """As where several planners share the cores, which is what `sweep` and the studies do."""
+    monkeypatch.setenv("OMP_NUM_THREADS", "1")
+    rigid_joints.cache_clear()
+    measure("plan, on one thread", group(height), lambda obstacle: plan_in_detail(robot, obstacle), other(height),
+            ROUNDS)  # fmt: skip
+    rigid_joints.cache_clear()
 
 
 @heights

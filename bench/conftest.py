@@ -1,4 +1,7 @@
-"""What the benchmarks share: one BLAS thread, the clock, and what their times hang on."""
+"""What the benchmarks share: one BLAS thread, the clock, and what their times hang on.
+
+The planner's ZMP takes all cores, unless OMP_NUM_THREADS says otherwise; the yardstick takes one.
+"""
 
 from __future__ import annotations
 
@@ -7,8 +10,8 @@ import sys
 
 if "numpy" in sys.modules:
     raise RuntimeError("numpy is loaded already: its number of threads can no longer be set; run 'make bench'")
-for threads in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
-    os.environ[threads] = "1"
+os.environ["OPENBLAS_NUM_THREADS"] = "1"
+os.environ.pop("OMP_NUM_THREADS", None)
 
 from collections.abc import Callable, Iterator
 from importlib.metadata import version
@@ -29,7 +32,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 def pytest_benchmark_update_machine_info(config: pytest.Config, machine_info: dict[str, Any]) -> None:
     """What the times hang on, beside the processor."""
     machine_info["load"] = os.getloadavg()[0]
-    machine_info["threads"] = int(os.environ["OMP_NUM_THREADS"])
+    machine_info["threads"] = int(os.environ["OPENBLAS_NUM_THREADS"])
     machine_info["packages"] = {name: version(name) for name in ("stepover", "numpy", "scipy", "pin", "pybullet")}
 
 

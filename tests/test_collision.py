@@ -8,8 +8,7 @@ import pinocchio as pin
 import pytest
 from conftest import random_q
 
-from stepover import InvalidInput, Obstacle
-from stepover.model.body import Body
+from stepover import Obstacle
 from stepover.model.collision import (
     clearance,
     distance_between,
@@ -17,7 +16,6 @@ from stepover.model.collision import (
     least_separation,
     profile,
     separation,
-    shapes_of,
 )
 from stepover.model.kinematics import Placements
 from stepover.model.obstacle import LATERAL_HALF_EXTENT
@@ -169,14 +167,3 @@ def test_distance_between_the_feet(robot):
     feet = [next(s for s in robot.shapes if s.link == name) for name in ("LLEG_LINK5", "RLEG_LINK5")]
     placements = robot.body.placements(robot.half_sitting()[None])
     assert distance_between(*feet, placements, 0) == pytest.approx(0.19 - 2.0 * 0.059, abs=1e-6)
-
-
-def test_a_shape_that_is_neither_box_nor_mesh_is_named(tmp_path):
-    urdf = tmp_path / "ball.urdf"
-    urdf.write_text(
-        '<robot name="ball"><link name="BALL"><inertial><mass value="1"/>'
-        '<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
-        '<collision><geometry><sphere radius="0.1"/></geometry></collision></link></robot>'
-    )
-    with pytest.raises(InvalidInput, match=r"BALL.*Sphere"):
-        shapes_of(Body(urdf))

@@ -138,7 +138,7 @@ class Body:
 
     def contact_wrench(self, q: np.ndarray, dt: float) -> np.ndarray:
         """Force and moment about the world's origin that the ground must give: (N, 6) [N, N m]."""
-        still = np.ptp(q[:, 7:], axis=0) == 0.0
+        still = (q[:, 7:] == q[0, 7:]).all(axis=0)
         pool = _pool(self._model, tuple(np.flatnonzero(still).tolist()), tuple(q[0, 7:][still].tolist()))
         q = np.delete(q, 7 + np.flatnonzero(still), axis=1)
         torques = _sweep(pool, q, *self._derivatives(q, dt))()

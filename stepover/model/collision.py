@@ -17,8 +17,8 @@ import coal
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from stepover.errors import InvalidInput
 from stepover.model.body import Body
+from stepover.model.corners import corners_of
 from stepover.model.kinematics import Placements
 from stepover.model.obstacle import LATERAL_HALF_EXTENT
 
@@ -63,7 +63,7 @@ def shapes_of(body: Body) -> list[Shape]:
     """Convex shapes of all links of the URDF, in its order."""
     shapes = []
     for item in body.geometry.geometryObjects:
-        vertices = _corners(item.geometry, item.name)
+        vertices = corners_of(item.geometry, item.name)
         vertices = vertices @ item.placement.rotation.T + item.placement.translation
         hull = ConvexHull(vertices)
         vertices = vertices[hull.vertices]
@@ -203,16 +203,6 @@ def hull_of_mesh(path: Path) -> tuple[np.ndarray, np.ndarray]:
     inward = np.einsum("na,na->n", np.cross(second - first, third - first), hull.equations[:, :3]) < 0.0
     faces[inward] = faces[inward, ::-1]
     return corners, faces
-
-
-def _corners(geometry: coal.CollisionGeometry, name: str) -> np.ndarray:
-    """Corners (V, 3) of a box or a mesh."""
-    if isinstance(geometry, coal.Box):
-        signs = np.array(np.meshgrid([-1, 1], [-1, 1], [-1, 1])).reshape(3, -1).T
-        return signs * geometry.halfSide
-    if isinstance(geometry, coal.BVHModelBase):
-        return np.array(geometry.vertices())
-    raise InvalidInput(f"collision shape {name!r}: boxes and meshes are known, not {type(geometry).__name__}")
 
 
 def _convex(vertices: np.ndarray) -> coal.Convex:

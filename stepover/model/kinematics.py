@@ -40,8 +40,7 @@ def place_joints(
     """
     rotations = np.empty((3, count, 3, len(angles)))  # world's row, joint, joint's column, time
     positions = np.empty((3, count, len(angles)))
-    for index in set(range(2, count)) - set(joints):
-        positions[:, index] = np.nan
+    positions[:, [index for index in range(2, count) if index not in joints]] = np.nan
     rotations[:, 0], positions[:, 0] = np.eye(3)[..., None], 0.0
     rotations[:, 1], positions[:, 1] = np.moveaxis(root[0], 0, -1), root[1].T
     columns = [index - 2 for index in joints]

@@ -20,6 +20,9 @@ from stepover.model.body import Body
 from stepover.model.kinematics import axis_rotation
 from stepover.model.meeting_axes import MeetingAxes
 
+KNEE = 3
+"""Position of the knee among a leg's joints: robot.toml is refused where it is another."""
+
 
 @dataclass(frozen=True, eq=False)
 class Leg:
@@ -79,8 +82,7 @@ class Leg:
     @property
     def length(self) -> float:
         """Thigh, shank and ankle height [m]: what the paper's 21 % and 35 % refer to."""
-        knee = next(i for i in range(1, 6) if np.linalg.norm(self._chain[i][1]) > 0.1)
-        bones = [np.linalg.norm(origin[[0, 2]]) for _, origin, _ in self._chain[knee:]]
+        bones = [np.linalg.norm(origin[[0, 2]]) for _, origin, _ in self._chain[KNEE:]]
         return float(sum(bones)) + self.ankle_height
 
     def sole(self, waist: np.ndarray, angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -129,7 +131,7 @@ class Leg:
             bent = self._bend(waist, sole)
             return _wrapped(bent.knee), bent.excess
         angles, excess = self.attempt(waist, sole)
-        return angles[:, self._knee], excess
+        return angles[:, KNEE], excess
 
     def _require_reach(self, excess: np.ndarray, time: np.ndarray | None) -> None:
         """Raise OutOfReach where a target is out of reach by some excess (N,) [m]."""
@@ -137,16 +139,11 @@ class Leg:
         if excess[worst] > 0.0:
             when = f"sample {worst}" if time is None else f"t = {time[worst]:.3f} s"
             side = "left" if self.side > 0 else "right"
-            knee = self.joints[self._knee]
+            knee = self.joints[KNEE]
             raise OutOfReach(
                 f"{knee} over-stretches: the {side} sole is {1e3 * excess[worst]:.1f} mm out of reach at {when}",
                 short=float(excess[worst]),
             )
-
-    @property
-    def _knee(self) -> int:
-        """Position of the knee in the chain: where the middle of the leg's length is."""
-        return next(i for i in range(1, 6) if np.linalg.norm(self._chain[i][1]) > 0.1)
 
     def _closed_form(self, waist: np.ndarray, sole: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """First the bend of the leg, then the turn of its hip."""

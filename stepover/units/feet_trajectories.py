@@ -143,29 +143,45 @@ def _leg_1(
     """The leading leg: above the landing point before it descends, heel first."""
     before = front_face - obstacle.margin_width - robot.foot.toe - robot.feasibility.foothold_clearance
     x = [(shape.rest, step.start[0]), (shape.leg1_rise, before), (shape.leg1_descent, step.end[0])]
-    z = leg_1_heights(obstacle, shape)
-    heel_first = np.radians(shape.leg1_pitch_deg)
+    z, pitch = _leg_1_shape(obstacle, shape, len(share))
+    return Swing(clamped_spline(x, share), np.full_like(share, step.start[1]), z, pitch)
+
+
+@lru_cache(maxsize=16)
+def _leg_1_shape(obstacle: Obstacle, shape: SteppingOver, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Height and pitch (count,) of leg 1: the same for all lengths of the step, of which the planner tries some."""
+    share, heel_first = np.linspace(0.0, 1.0, count), np.radians(shape.leg1_pitch_deg)
+    z = clamped_spline(leg_1_heights(obstacle, shape), share)
     pitch = clamped_spline([(shape.leg1_rise, 0.0), (shape.leg1_descent, heel_first)], share)
     flat = 1.0 - shape.rest / 2.0  # before touch-down, or the heel would go through the floor
     pitch += clamped_spline([(1.0 - 2.0 * shape.rest, 0.0), (flat, -heel_first)], share)
-    return Swing(clamped_spline(x, share), np.full_like(share, step.start[1]), clamped_spline(z, share), pitch)
+    z.flags.writeable = pitch.flags.writeable = False
+    return z, pitch
 
 
 def _leg_2(
     robot: Robot, obstacle: Obstacle, front_face: float, step: Step, share: np.ndarray, shape: SteppingOver
 ) -> Swing:
     """The trailing leg: toe down from before the front margin to behind the rear one."""
-    toe_down = np.radians(shape.leg2_pitch_per_height_deg * obstacle.safe_height)
-    top = obstacle.safe_height + robot.foot.toe * np.sin(toe_down) + shape.leg2_extra_lift
     spare = robot.feasibility.foothold_clearance
     before = front_face - obstacle.margin_width - robot.foot.toe - spare
     behind = front_face + obstacle.width + obstacle.margin_width + robot.foot.heel + spare
     x = [(shape.rest, step.start[0]), (shape.leg2_rise, before), (shape.leg2_descent, behind)]
     x += landing(shape.leg2_descent, behind, 1.0 - shape.rest, step.end[0], shape.landing_points)
-    low = top - shape.leg2_descent_drop * robot.foot.toe * np.sin(toe_down)  # the toe is past the obstacle by then
+    z, pitch = _leg_2_shape(robot.foot.toe, obstacle, shape, len(share))
+    return Swing(clamped_spline(x, share), np.full_like(share, step.start[1]), z, pitch)
+
+
+@lru_cache(maxsize=16)
+def _leg_2_shape(toe: float, obstacle: Obstacle, shape: SteppingOver, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Height and pitch (count,) of leg 2, for a toe that far ahead of the ankle [m]."""
+    share, toe_down = np.linspace(0.0, 1.0, count), np.radians(shape.leg2_pitch_per_height_deg * obstacle.safe_height)
+    top = obstacle.safe_height + toe * np.sin(toe_down) + shape.leg2_extra_lift
+    low = top - shape.leg2_descent_drop * toe * np.sin(toe_down)  # the toe is past the obstacle by then
     held = np.linspace(shape.leg2_rise, shape.leg2_descent, shape.leg2_held)  # or the spline would swing far higher
-    z = [(0.0, 0.0), *((float(at), top) for at in held[:-1]), (shape.leg2_descent, low)]
-    z += landing(shape.leg2_descent, low, 1.0, 0.0, shape.landing_points)
+    knots = [(0.0, 0.0), *((float(at), top) for at in held[:-1]), (shape.leg2_descent, low)]
+    z = clamped_spline([*knots, *landing(shape.leg2_descent, low, 1.0, 0.0, shape.landing_points)], share)
     pitch = clamped_spline([(shape.leg2_pitch_start, 0.0), (shape.leg2_pitch_full, toe_down)], share)
     pitch -= clamped_spline([(shape.leg2_descent, 0.0), (1.0 - shape.rest, toe_down)], share)
-    return Swing(clamped_spline(x, share), np.full_like(share, step.start[1]), clamped_spline(z, share), pitch)
+    z.flags.writeable = pitch.flags.writeable = False
+    return z, pitch

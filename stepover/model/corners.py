@@ -1,0 +1,51 @@
+"""Corners of the shapes that a URDF gives a link to collide with: its own, or those of a hull around what is round."""
+
+from __future__ import annotations
+
+import coal
+import numpy as np
+from scipy.spatial import ConvexHull
+
+from stepover.errors import InvalidInput
+
+SIDES = 16
+"""Of the prism around a cylinder: its edges stand out by 2 % of the radius."""
+
+
+def corners_of(geometry: coal.CollisionGeometry, name: str) -> np.ndarray:
+    """Corners (V, 3) [m] of a shape in its own frame; around a cylinder, capsule or sphere, which it holds.
+
+    Raises:
+        InvalidInput: another kind of shape.
+    """
+    if isinstance(geometry, coal.Box):
+        signs = np.array(np.meshgrid([-1, 1], [-1, 1], [-1, 1])).reshape(3, -1).T
+        return np.asarray(signs * geometry.halfSide)
+    if isinstance(geometry, coal.BVHModelBase):
+        return np.array(geometry.vertices())
+    if isinstance(geometry, coal.Sphere):
+        return geometry.radius * _around_a_ball()
+    if isinstance(geometry, coal.Cylinder | coal.Capsule):
+        ends = np.array([[0.0, 0.0, -geometry.halfLength], [0.0, 0.0, geometry.halfLength]])
+        round_one = _around_a_disc() if isinstance(geometry, coal.Cylinder) else _around_a_ball()
+        return np.concatenate([geometry.radius * round_one + end for end in ends])
+    known = "boxes, cylinders, capsules, spheres and meshes are known"
+    raise InvalidInput(f"collision shape {name!r}: {known}, not {type(geometry).__name__}")
+
+
+def _around_a_disc() -> np.ndarray:
+    """Corners (SIDES, 3) of a regular polygon around the unit circle in the x-y plane."""
+    angles = 2.0 * np.pi * np.arange(SIDES) / SIDES
+    return np.column_stack([np.cos(angles), np.sin(angles), np.zeros(SIDES)]) / np.cos(np.pi / SIDES)
+
+
+def _around_a_ball() -> np.ndarray:
+    """Corners (42, 3) of a polyhedron around the unit ball: an icosahedron's, and those over its edges' middles."""
+    golden = (1.0 + np.sqrt(5.0)) / 2.0
+    first = np.array([[0.0, one, other] for one in (-1.0, 1.0) for other in (-golden, golden)])
+    corners = np.concatenate([np.roll(first, shift, axis=1) for shift in range(3)])
+    one, other = np.triu_indices(len(corners), 1)
+    sides = np.isclose(np.linalg.norm(corners[one] - corners[other], axis=1), 2.0)
+    points = np.concatenate([corners, (corners[one] + corners[other])[sides]])
+    points /= np.linalg.norm(points, axis=1, keepdims=True)
+    return np.asarray(points / -ConvexHull(points).equations[:, 3].max())
