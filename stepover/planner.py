@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import time
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -64,8 +65,9 @@ def plan_in_detail(
     speed_limits: str = "ignore",
     extras: bool = True,
     look_for_nearest: bool = True,
+    progress: Callable[[float], None] | None = None,
 ) -> Plan:
-    """As plan, and keep what the units handed to each other.
+    """As plan, and keep what the units handed to each other; progress is called with the share of a refusal done.
 
     What the paper describes comes first, with the arms at rest while the knees allow it; then UBMG; then what is
     added beyond the paper. For each, key configurations are tried in the order in which FU finds them.
@@ -84,7 +86,7 @@ def plan_in_detail(
     except Infeasible as error:
         if error.nearest is None and look_for_nearest:
             options: dict[str, Any] = {"arms": arms, "speed_limits": speed_limits, "extras": extras}
-            error.nearest = nearest_crossable(obstacle, lambda other: _crossable(robot, other, options))
+            error.nearest = nearest_crossable(obstacle, lambda other: _crossable(robot, other, options), progress)
         raise
     total = time.perf_counter() - start
     times = {"feasibility": feasibility_time, "trajectories": total - feasibility_time, "total": total}

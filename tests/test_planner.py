@@ -350,3 +350,13 @@ def test_plan_returns_the_motion_alone(robot, obstacle, motion):
     alone = plan(robot, obstacle)
     assert isinstance(alone, Motion)
     assert alone.hash() == motion.hash()
+
+
+def test_a_refusal_says_how_far_it_is(coarse):
+    shares = []
+    with pytest.raises(Infeasible):
+        plan_in_detail(coarse, Obstacle(0.9, 0.05), arms="off", extras=False, progress=shares.append)
+    assert len(shares) > 5
+    assert shares == sorted(shares)
+    assert 0.0 < shares[0] < 0.3
+    assert 0.5 < shares[-1] <= 1.0

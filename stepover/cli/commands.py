@@ -63,11 +63,11 @@ def goes_on(output: Path) -> Iterator[None]:
 
 @contextlib.contextmanager
 def progress(what: str) -> Iterator[Callable[[float], None]]:
-    """A progress bar on stderr, where that is a terminal, to be called with the share done."""
+    """A progress bar on stderr, where that is a terminal, to be called with the share done; none before the first."""
     from tqdm import tqdm
 
     form = "{desc}: {percentage:3.0f}%|{bar}| {elapsed}<{remaining}"
-    with tqdm(total=1.0, desc=what, disable=None, leave=False, bar_format=form) as bar:
+    with tqdm(total=1.0, desc=what, disable=None, leave=False, bar_format=form, delay=1e-3) as bar:
 
         def show(share: float) -> None:
             bar.n = share

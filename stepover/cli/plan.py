@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from stepover.cli.commands import progress
 from stepover.cli.options import as_json, margins, new_file, planner_choices
 
 
@@ -42,7 +43,8 @@ def plan(
     from stepover.report import summary
 
     model, obstacle = load_robot(robot), Obstacle(height, width, margin_height, margin_width, distance)
-    planned = plan_in_detail(model, obstacle, arms=arms, speed_limits=speed_limits)
+    with progress("not this one; looking for the nearest that can be stepped over") as advance:
+        planned = plan_in_detail(model, obstacle, arms=arms, speed_limits=speed_limits, progress=advance)
     result = summary.plan_to_json(model, obstacle, planned)
     planned.motion.save(output)
     if csv is not None:
