@@ -15,7 +15,9 @@ from stepover import Infeasible, InvalidInput, Motion, Obstacle
 from stepover.model.support import zmp_margin
 from stepover.quasi_static import ZMP_MULTIPLE, quasi_static_crossable, quasi_static_in_detail
 from stepover.simulation.run import simulate
+from stepover.units import quasi_static_search
 from stepover.units.balance import Targets, balanced, joined
+from stepover.units.leg_check import check_legs
 from stepover.units.preview_control import GRAVITY
 from stepover.units.quasi_static_search import find_way
 from stepover.units.quasi_static_timing import durations
@@ -50,6 +52,20 @@ def test_no_way_keeps_three_centimetres_so_it_keeps_one(robot, slow, obstacle):
     assert found.clearance_min >= 0.010
     assert found.joint_margin_min > 0.0
     assert found.joint_speed_ratio_max < 1.0
+
+
+@pytest.mark.parametrize("height", [0.05, 0.09])
+def test_the_way_does_not_hang_on_rounding(robot, monkeypatch, height):
+    obstacle = Obstacle(height, 0.05)
+    way, noise = find_way(robot, obstacle), np.random.default_rng(3)
+
+    def rounded_otherwise(*args):
+        check = check_legs(*args)
+        return check._replace(separation=check.separation + noise.normal(0.0, 1e-16, len(check.separation)))
+
+    monkeypatch.setattr(quasi_static_search, "check_legs", rounded_otherwise)
+    for _ in range(3):
+        assert find_way(robot, obstacle) == way
 
 
 def test_lower_obstacles_keep_their_margins(robot):

@@ -27,6 +27,8 @@ CONDITIONS = {LEG_1_OVER: (1, 6), TO_FRONT: (2, 7), LEG_2_OVER: (3, 8)}
 """Phase of Sec. II and condition of Sec. II-A that each segment over the obstacle is under."""
 LIMIT_SPARE = 0.01
 """Further from a joint's limit than asked for, since a joint may come nearer to it between the looks [rad]."""
+DIGITS = 9
+"""Of a separation in m; what lies behind is rounding, which may differ between machines, and decides nothing."""
 
 
 class Grid(NamedTuple):
@@ -70,13 +72,18 @@ def _way_with(robot: Robot, obstacle: Obstacle, share: float) -> Way:
 
 
 def _ends(robot: Robot, obstacle: Obstacle, share: float) -> Iterator[Way]:
-    """Ways whose double support begins and ends in postures that the legs can take, the most free ones first."""
+    """Ways whose double support begins and ends in postures that the legs can take, the most free ones first.
+
+    Of waists that leave as much room the lowest, which bends the knees most.
+    """
     p = robot.quasi_static
     grid = _grid(robot, obstacle)
     com = share * p.com_ahead, share * p.com_behind
     checks = [_postures(robot, obstacle, grid, com, at_end) for at_end in (False, True)]
     shape = grid.valid.shape
-    room = [np.where(c.good(p.spare) & grid.valid.ravel(), c.separation, -np.inf).reshape(shape) for c in checks]
+    separations = [np.round(c.separation, DIGITS) for c in checks]
+    good = [c.good(p.spare) & grid.valid.ravel() for c in checks]
+    room = [np.where(*pair, -np.inf).reshape(shape) for pair in zip(good, separations, strict=True)]
     missing = [k for k in (0, 1) if not np.isfinite(room[k]).any()]
     if missing:
         why = _why_no_end(robot, grid, checks[missing[0]], (6, 8)[missing[0]])
@@ -88,7 +95,8 @@ def _ends(robot: Robot, obstacle: Obstacle, share: float) -> Iterator[Way]:
     for which in order:
         step, place = np.unravel_index(which, best.shape)
         if np.isfinite(best[step, place]):
-            heights = [float(grid.heights[free[step, place].argmax()]) for free in room]
+            here = [free[step, place] for free in room]
+            heights = [float(grid.heights[free == free.max()].min()) for free in here]
             yield Way(float(grid.steps[step]), float(grid.faces[step, place]), *com, *heights)
 
 
