@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from conftest import HRP2
 from faked_simulation import faked, slow
 from scipy import stats
 
@@ -414,9 +415,18 @@ class TestCommand:
         assert result.stdout.endswith("written to t.csv\n")
         require_current(read_table(Path("t.csv")), Motion.load("m.npz"))
 
+    def test_a_robot_of_ones_own(self, quick):
+        robot = str(HRP2 / "robot.toml")
+        result = self.call("study", "m.npz", "--robot", robot, "--runs", 1, "--jobs", 1, "--output", "t.csv")
+        assert result.exit_code == 0, result.output
+        assert {row.robot for row in read_table(Path("t.csv"))} == {robot}
+        assert {how["robot"].folder for how in quick} == {HRP2}
+
     @pytest.mark.parametrize(
         ("arguments", "words"),
         [
+            (["m.npz", "--robot", "jvrc1", "--output", "t.csv"], ["joints", "jvrc1"]),
+            (["m.npz", "--robot", "nowhere.toml", "--output", "t.csv"], ["nowhere.toml"]),
             (["m.npz", "--runs", "0", "--output", "t.csv"], ["--runs", "0"]),
             (["m.npz", "--runs", "many", "--output", "t.csv"], ["--runs", "many"]),
             (["m.npz", "--seed", "-1", "--output", "t.csv"], ["--seed", "-1"]),

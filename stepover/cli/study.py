@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from stepover.cli.commands import goes_on, one_thread_a_process
-from stepover.cli.options import as_json, new_file, physics
+from stepover.cli.options import as_json, new_file, physics, robot_file
 from stepover.errors import InvalidInput
 
 
@@ -24,6 +24,7 @@ from stepover.errors import InvalidInput
     help="Of the draws. Draw k depends on the seed and on k alone.",
 )  # fmt: skip
 @physics(actuators="limited", sole="compliant")
+@robot_file
 @click.option("--jobs", type=click.IntRange(1), help="Simulations at a time; default: one a core.")
 @new_file("--output", "Where the table goes", ".csv", required=True)
 @new_file("--picture", "Also draw success over disturbance", ".png")
@@ -36,6 +37,7 @@ def study(
     seed: int,
     actuators: str,
     sole: str,
+    robot: str | None,
     jobs: int | None,
     output: Path,
     picture: Path | None,
@@ -64,13 +66,14 @@ def study(
     elif height is not None and width is not None:
         from stepover import Obstacle, load_robot, plan
 
-        planned = plan(load_robot("hrp2"), Obstacle(height, width))
+        planned = plan(load_robot(robot or "hrp2"), Obstacle(height, width))
     else:
         raise InvalidInput("give a motion, such as motion.npz, or --height and --width")
     with goes_on(output):
         robustness.study(
-            planned, runs, seed, actuators=actuators, sole=sole, table=output, build=output.parent, workers=jobs
-        )
+            planned, runs, seed, actuators=actuators, sole=sole, robot=robot, table=output, build=output.parent,
+            workers=jobs,
+        )  # fmt: skip
     rows = robustness.read_table(output)
     if picture is not None:
         from stepover.report import figures

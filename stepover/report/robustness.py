@@ -74,13 +74,17 @@ class Outcome(Draw):
 
 
 def points(
-    motion: Motion, runs: int = RUNS, seed: int = SEED, actuators: str = ACTUATORS, sole: str = SOLE
+    motion: Motion,
+    runs: int = RUNS,
+    seed: int = SEED,
+    actuators: str = ACTUATORS,
+    sole: str = SOLE,
+    robot: str | None = None,
 ) -> list[Point]:
     """Simulations of a study: each draw without and with the stabilizer."""
-    drawn, carried = [draw(motion, seed, number) for number in range(runs)], motion.hash()
-    return [
-        Point(one, stabilizer, actuators, sole, motion.robot, carried) for one in drawn for stabilizer in (False, True)
-    ]
+    drawn, equipped = [draw(motion, seed, number) for number in range(runs)], (actuators, sole)
+    of = robot or motion.robot, motion.hash()
+    return [Point(one, stabilizer, *equipped, *of) for one in drawn for stabilizer in (False, True)]
 
 
 @dataclass(frozen=True)
@@ -109,7 +113,7 @@ class Trial:
 
 def study(
     motion: Motion | None = None, runs: int = RUNS, seed: int = SEED, *, actuators: str = ACTUATORS, sole: str = SOLE,
-    table: Path | None = None, build: Path | None = None, workers: int | None = None,
+    robot: str | None = None, table: Path | None = None, build: Path | None = None, workers: int | None = None,
 ) -> Path:  # fmt: skip
     """Run or resume a study, and write its table: that of the repository unless told otherwise.
 
@@ -119,6 +123,7 @@ def study(
         seed: of the draws.
         actuators: as for simulate.
         sole: as for simulate.
+        robot: its name, or the path of its robot.toml; the motion's unless given.
         table: where it goes; figures/ unless given.
         build: folder of the part file; build/ unless given.
         workers: processes; one a core unless given.
@@ -126,10 +131,11 @@ def study(
     Raises:
         InvalidInput: the motion is for a robot that is not known here, or not for that robot.
     """
-    motion = motion or plan(robot_of("hrp2"), Obstacle(HEIGHT, WIDTH))
-    if list(motion.joint_names) != robot_of(motion.robot).body.joint_names:
-        raise InvalidInput(f"the motion's joints are not those of {motion.robot!r}")
-    work, name = points(motion, runs, seed, actuators, sole), table.stem if table else NAME
+    motion = motion or plan(robot_of(robot or "hrp2"), Obstacle(HEIGHT, WIDTH))
+    robot = robot or motion.robot
+    if list(motion.joint_names) != robot_of(robot).body.joint_names:
+        raise InvalidInput(f"the motion's joints are not those of {robot!r}")
+    work, name = points(motion, runs, seed, actuators, sole, robot), table.stem if table else NAME
     more = RANGES, motion.hash(), seed, actuators, sole
     return make_table(name, work, Trial(motion), Outcome, table, build, workers, more)
 
