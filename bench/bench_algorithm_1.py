@@ -60,14 +60,21 @@ def test_whole(measure, benchmark, robot, height):
     tracemalloc.stop()
 
 
-@heights
-def test_on_one_thread(measure, monkeypatch, robot, height):
-    """As where several planners share the cores, which is what `sweep` and the studies do."""
+@pytest.fixture
+def one_thread(monkeypatch):
+    """The ZMP on one core."""
     monkeypatch.setenv("OMP_NUM_THREADS", "1")
     rigid_joints.cache_clear()
+    yield
+    rigid_joints.cache_clear()
+
+
+@heights
+@pytest.mark.usefixtures("one_thread")
+def test_on_one_thread(measure, robot, height):
+    """As where several planners share the cores, which is what `sweep` and the studies do."""
     measure("plan, on one thread", group(height), lambda obstacle: plan_in_detail(robot, obstacle), other(height),
             ROUNDS)  # fmt: skip
-    rigid_joints.cache_clear()
 
 
 @heights

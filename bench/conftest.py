@@ -1,6 +1,6 @@
 """What the benchmarks share: one BLAS thread, the clock, and what their times hang on.
 
-The planner's ZMP takes all cores, unless OMP_NUM_THREADS says otherwise; the yardstick takes one.
+The planner's ZMP takes all cores, as it does for a user who does not set OMP_NUM_THREADS; the yardstick takes one.
 """
 
 from __future__ import annotations

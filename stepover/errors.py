@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -60,11 +61,18 @@ class OutOfReach(Infeasible):
 class NoWay(Infeasible):
     """A trailing leg that the feet adaptor leaves deeper inside than its last method is for.
 
-    Attributes:
-        explain: gives the error that says what remains, which takes its time.
+    What remains is looked up when it is asked for, since that takes its time.
     """
 
     def __init__(self, short: float, explain: Callable[[], Infeasible]) -> None:
         """Keep by how much it is short at the least [m], and who can say more."""
-        self.explain = explain
+        self.explain = cache(explain)
         super().__init__("FTA finds no way for the trailing leg", short=short)
+
+    def __str__(self) -> str:
+        """What remains: the link, the depth and when."""
+        return str(self.explain())
+
+    def __reduce__(self) -> tuple[type[Infeasible], tuple[str, Obstacle | None, float]]:
+        """Another process gets what it says, not what it would have to look at."""
+        return Infeasible, (str(self), self.nearest, self.short)

@@ -31,7 +31,7 @@ ARMS = ("auto", "on", "off")
 SPEED_LIMITS = ("ignore", "respect")
 LEAN = 0.6
 """How far a leg leans where it reaches furthest, the way from hip to ankle ahead over that down: 0.5 to 0.7 over 20 to
-25 cm. Below, hardly any attempt fails for want of reach."""
+25 cm. Under 20 cm hardly any attempt fails for want of reach."""
 
 
 def plan(
@@ -67,7 +67,9 @@ def plan_in_detail(
     look_for_nearest: bool = True,
     progress: Callable[[float], None] | None = None,
 ) -> Plan:
-    """As plan, and keep what the units handed to each other; progress is called with the share of a refusal done.
+    """As plan, and keep what the units handed to each other.
+
+    After a refusal, progress is called with the share done of the search for the nearest obstacle.
 
     What the paper describes comes first, with the arms at rest while the knees allow it; then UBMG; then what is
     added beyond the paper. For each, key configurations are tried in the order in which FU finds them.
@@ -182,14 +184,14 @@ def _first(
     """The plan for the first effort and key configuration that work; else what the last effort lacks least.
 
     An adapted leg that still collides came further than one that does not reach.
-    Where a sole is out of reach, a waist that is not lower by as much will not do either; where FTA finds no way, for
-    want of reach as well, one that is not lower. With a longer step it must be lower still.
+    Where a sole is out of reach by some length, only a waist that is lower by more is tried; where FTA finds no way,
+    for want of reach as well, only a lower one. A longer step needs a lower one still.
     """
     tried = [key for key in keys if _whole((key.x_ads - keys[0].x_ads) / robot.feasibility.step_length_more_step)]
     for effort in efforts:
         too_much, errors = np.inf, []
         for key in tried:
-            if _asked(key) >= too_much:
+            if _demand(key) >= too_much:
                 continue
             try:
                 found = algorithm_1(robot, obstacle, key, effort)
@@ -200,14 +202,14 @@ def _first(
                 errors.append(error)
                 if isinstance(error, (OutOfReach, NoWay)):
                     lower = np.hypot(1.0, LEAN) * error.short if isinstance(error, OutOfReach) else 0.0
-                    too_much = min(too_much, _asked(key) - lower)
+                    too_much = min(too_much, _demand(key) - lower)
                 if error.nearest is not None:
                     raise
-    least = min(errors, key=lambda error: (isinstance(error, OutOfReach), error.short))
-    raise least.explain() if isinstance(least, NoWay) else least
+    explained = [error.explain() if isinstance(error, NoWay) else error for error in errors]
+    raise min(explained, key=lambda error: (isinstance(error, OutOfReach), error.short))
 
 
-def _asked(key: KeyConfiguration) -> float:
+def _demand(key: KeyConfiguration) -> float:
     """What a key configuration asks of a leg's reach, as a height of the waist [m].
 
     A longer step takes the waist half as much further from either foot, which a leaning leg makes up for by going down.

@@ -1,6 +1,7 @@
 """The command line: what it prints, where it complains, and with which exit code it ends."""
 
 import dataclasses
+import io
 import json
 import os
 import re
@@ -14,6 +15,7 @@ from click.testing import CliRunner
 
 from stepover import Motion, Obstacle, __version__, load_robot, planner
 from stepover.cli import main
+from stepover.cli.commands import progress
 from stepover.cli.simulate import plot_failure
 from stepover.errors import InvalidInput
 from stepover.report import reproduce as module
@@ -379,3 +381,16 @@ def test_the_failure_plot_goes_to_build_where_the_motion_may_not(monkeypatch):
     monkeypatch.setattr("stepover.report.figures.save", lambda _, path: path.write_bytes(b""))
     assert "build/m_failure.png" in plot_failure(None, Path("/m.npz"), None)
     assert os.listdir("build") == ["m_failure.png"]
+
+
+def test_a_bar_is_there_from_the_first_share_on_and_gone_at_the_end(monkeypatch):
+    terminal = io.StringIO()
+    terminal.isatty = lambda: True
+    monkeypatch.setattr(sys, "stderr", terminal)
+    with progress("looking"):
+        pass
+    assert terminal.getvalue() == ""
+    with progress("looking") as advance:
+        advance(0.25)
+        assert "looking:  25%" in terminal.getvalue()
+    assert terminal.getvalue().rsplit("\r", 2)[1].strip() == "", "the line is empty again"

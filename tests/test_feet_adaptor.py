@@ -1,3 +1,5 @@
+import pickle
+
 import numpy as np
 import pytest
 
@@ -130,11 +132,12 @@ def test_looking_closer_step_by_step_misses_no_way(robot, high):
     np.testing.assert_allclose([result.raised, result.shift], ways[enough[0]])
 
 
-def test_of_ways_that_differ_by_rounding_the_least_is_taken(robot, high, monkeypatch):
+@pytest.mark.parametrize("depth", [-0.03, -0.005])
+def test_of_ways_that_differ_by_rounding_the_least_is_taken(robot, high, monkeypatch, depth):
     obstacle, sequence, waist, feet = high
     noise = np.random.default_rng(1)
     for leg in ("stance", "swing"):
-        alike = lambda *args: -0.03 + noise.normal(0.0, 1e-17, len(args[5]))  # noqa: E731
+        alike = lambda *args: depth + noise.normal(0.0, 1e-17, len(args[5]))  # noqa: E731
         monkeypatch.setattr(adaptor_ways, f"{leg}_clearances", alike)
     result = adapt_feet(robot, obstacle, sequence, waist, feet)
     assert (result.raised, result.shift) == (0.0, 0.0)
@@ -159,6 +162,9 @@ def test_what_is_too_much_for_method_3_is_not_pushed_and_explained_when_asked(ro
     said = caught.value.explain()
     assert "FTA finds no way: LLEG_LINK3 stays" in str(said)
     assert "phase 3" in str(said)
+    assert str(caught.value) == str(said)
+    elsewhere = pickle.loads(pickle.dumps(caught.value))
+    assert (str(elsewhere), elsewhere.short) == (str(said), caught.value.short)
     assert said.short >= caught.value.short
 
 

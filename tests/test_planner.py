@@ -13,9 +13,10 @@ import pinocchio as pin
 import pytest
 from conftest import HRP2, yaw_of
 
-from stepover import Infeasible, InvalidInput, Motion, Obstacle, load_robot, plan, quasi_static_plan
+from stepover import Infeasible, InvalidInput, Motion, Obstacle, load_robot, plan, planner, quasi_static_plan
 from stepover.model import pose
 from stepover.model.support import zmp_margin
+from stepover.planned import Effort
 from stepover.planner import algorithm_1, plan_in_detail
 from stepover.units.feasibility import key_configurations
 from stepover.verdict import measure
@@ -308,16 +309,22 @@ def test_too_near_names_the_distance_that_does(robot):
     assert "at a distance of" in str(caught.value)
 
 
-@pytest.mark.parametrize(("height", "width"), [(0.25, 0.05), (0.225, 0.05), (0.2, 0.05), (0.2221, 0.0244)])
-def test_a_key_configuration_that_is_passed_over_would_not_have_done(robot, height, width):
-    obstacle = Obstacle(height, width)
+@pytest.mark.parametrize(("height", "width"), [(0.25, 0.05), (0.225, 0.05), (0.2221, 0.0244)])
+def test_a_key_configuration_that_is_passed_over_would_not_have_done(robot, monkeypatch, height, width):
+    """Every key configuration of every effort before the one that was found, whether it was tried or not."""
+    obstacle, attempts = Obstacle(height, width), []
+    monkeypatch.setattr(planner, "algorithm_1", lambda *args: attempts.append(args) or algorithm_1(*args))
     found = plan_in_detail(robot, obstacle)
-    before = list(itertools.takewhile(lambda key: key != found.key, key_configurations(robot, obstacle)))
-    apart = robot.feasibility.step_length_more_step
-    steps = [(key, (key.x_ads - before[0].x_ads) / apart) for key in before]
-    for key in [key for key, step in steps if abs(step - round(step)) < 1e-6]:
+    keys, apart = key_configurations(robot, obstacle), robot.feasibility.step_length_more_step
+    steps = [(key.x_ads - keys[0].x_ads) / apart for key in keys]
+    keys = [key for key, step in zip(keys, steps, strict=True) if abs(step - round(step)) < 1e-6]
+    efforts = [Effort("off"), Effort("auto"), Effort("auto", level=1), Effort("auto", level=2)]
+    every = [(effort, key) for effort in efforts for key in keys]
+    before = every[: every.index((found.effort, found.key))]
+    assert len(attempts) - 1 < len(before), "some were passed over"
+    for effort, key in before:
         with pytest.raises(Infeasible):
-            algorithm_1(robot, obstacle, key, found.effort)
+            algorithm_1(robot, obstacle, key, effort)
 
 
 def test_the_error_is_what_lacks_least_with_all_that_may_be_used(robot):

@@ -1,5 +1,7 @@
 """The crossing before it was adapted, and what each unit buys."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -63,7 +65,7 @@ def test_at_15_cm_nothing_is_needed(robot, obstacle, planned):
 def test_at_25_cm_each_unit_buys_something_and_only_all_of_it_is_enough(robot, high, crossing):
     rows = {row.units: row for row in stages.bought(robot, high, crossing.key, crossing.effort.level)}
     *some, everything = rows.values()
-    assert all(row.reason for row in some)
+    assert all(re.search("LINK|out of reach|over-stretches|limit", row.reason) for row in some)
     assert everything.reason == ""
     assert everything.free >= 0.0
     assert everything.clearance >= 0.03

@@ -63,17 +63,23 @@ def goes_on(output: Path) -> Iterator[None]:
 
 @contextlib.contextmanager
 def progress(what: str) -> Iterator[Callable[[float], None]]:
-    """A progress bar on stderr, where that is a terminal, to be called with the share done; none before the first."""
+    """A progress bar on stderr, where that is a terminal, to be called with the share done; no bar before that."""
     from tqdm import tqdm
 
     form = "{desc}: {percentage:3.0f}%|{bar}| {elapsed}<{remaining}"
-    with tqdm(total=1.0, desc=what, disable=None, leave=False, bar_format=form, delay=1e-3) as bar:
+    bars: list[tqdm[NoReturn]] = []
 
-        def show(share: float) -> None:
-            bar.n = share
-            bar.refresh()
+    def show(share: float) -> None:
+        if not bars:
+            bars.append(tqdm(total=1.0, desc=what, disable=None, leave=False, bar_format=form))
+        bars[0].n = share
+        bars[0].refresh()
 
+    try:
         yield show
+    finally:
+        for bar in bars:
+            bar.close()
 
 
 def one_thread_a_process() -> None:

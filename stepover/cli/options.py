@@ -34,7 +34,7 @@ def choice(name: str, values: tuple[str, ...], help: str, default: str | None = 
 
 def robot_file(command: Any) -> Any:
     """Where a motion's robot is to be found."""
-    explained = "Path to its robot.toml, where the motion's robot is none under data/."
+    explained = "Path to the robot.toml of a robot that is none under data/."
     return click.option("--robot", metavar="TOML", help=explained)(command)
 
 

@@ -10,6 +10,7 @@ import os
 from collections.abc import Callable, Sequence
 from functools import cached_property, lru_cache
 from pathlib import Path
+from xml.etree import ElementTree
 
 import numpy as np
 import pinocchio as pin
@@ -34,7 +35,7 @@ class Body:
         """Read the URDF; meshes are looked for beside it, and those of package:// in the folders above it.
 
         Raises:
-            InvalidInput: no such file, not a URDF, or a joint that is not revolute with limits.
+            InvalidInput: no such file, not a URDF, a shape that is not read, a joint that is not revolute with limits.
         """
         try:
             self._model, self.geometry = pin.buildModelsFromUrdf(
@@ -43,6 +44,10 @@ class Body:
             )[:2]  # fmt: skip
         except (ValueError, RuntimeError) as error:
             raise InvalidInput(f"{urdf} cannot be read as a URDF: {str(error).splitlines()[0]}") from error
+        shapes, read = ElementTree.parse(urdf).getroot().findall("link/collision"), self.geometry.geometryObjects
+        if len(read) != len(shapes):
+            kinds = "boxes, cylinders, spheres, meshes"
+            raise InvalidInput(f"{urdf}: {len(read)} of its {len(shapes)} collision shapes can be read: {kinds}")
         for joint in list(self._model.joints)[2:]:
             if (joint.nq, joint.nv) != (1, 1) or joint.shortname().startswith("JointModelP"):
                 name = self._model.names[joint.id]

@@ -13,7 +13,7 @@ SIDES = 16
 
 
 def corners_of(geometry: coal.CollisionGeometry, name: str) -> np.ndarray:
-    """Corners (V, 3) [m] of a shape in its own frame; around a cylinder, capsule or sphere, which it holds.
+    """Corners (V, 3) [m] of a shape in its own frame; of a hull around a cylinder or sphere.
 
     Raises:
         InvalidInput: another kind of shape.
@@ -25,11 +25,10 @@ def corners_of(geometry: coal.CollisionGeometry, name: str) -> np.ndarray:
         return np.array(geometry.vertices())
     if isinstance(geometry, coal.Sphere):
         return geometry.radius * _around_a_ball()
-    if isinstance(geometry, coal.Cylinder | coal.Capsule):
+    if isinstance(geometry, coal.Cylinder):
         ends = np.array([[0.0, 0.0, -geometry.halfLength], [0.0, 0.0, geometry.halfLength]])
-        round_one = _around_a_disc() if isinstance(geometry, coal.Cylinder) else _around_a_ball()
-        return np.concatenate([geometry.radius * round_one + end for end in ends])
-    known = "boxes, cylinders, capsules, spheres and meshes are known"
+        return np.concatenate([geometry.radius * _around_a_disc() + end for end in ends])
+    known = "boxes, cylinders, spheres and meshes are known"
     raise InvalidInput(f"collision shape {name!r}: {known}, not {type(geometry).__name__}")
 
 

@@ -122,7 +122,7 @@ class Leg:
         if self.is_closed_form:
             return self._closed_form(waist, sole)
         if self.meeting_axes is not None:
-            return self.meeting_axes.solve(waist, sole, self.ankle_height, self.rest[3])
+            return self.meeting_axes.solve(waist, sole, self.ankle_height, self.rest[KNEE])
         return self._newton(waist, sole)
 
     def knee(self, waist: np.ndarray, sole: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -164,7 +164,7 @@ class Leg:
         length, longest, shortest = abs(reach), abs(thigh) + abs(shank), abs(abs(thigh) - abs(shank))
         excess = np.maximum(np.maximum(length - longest, shortest - length), 0.0)
         cosine = (length**2 - abs(thigh) ** 2 - abs(shank) ** 2) / (2.0 * abs(thigh) * abs(shank))
-        bend = np.sign(self.rest[3]) * np.arccos(np.clip(cosine, -1.0, 1.0))
+        bend = np.sign(self.rest[KNEE]) * np.arccos(np.clip(cosine, -1.0, 1.0))
         knee = bend + np.angle(thigh) - np.angle(shank)
         return _Bend(waist_r, foot_r, reach, roll, knee, excess)
 
@@ -186,6 +186,8 @@ class Leg:
         target_r = pose.rotation(sole)
         target = sole[:, :3] + target_r @ [0.0, 0.0, self.ankle_height]
         angles = np.tile(self.rest, (len(waist), 1))
+        if not len(waist):
+            return angles, np.zeros(0)
         error = np.full((len(waist), 6), np.inf)
         for _ in range(60):
             rotations, positions, axes, centres = self._forward(waist, angles)

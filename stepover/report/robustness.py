@@ -82,9 +82,8 @@ def points(
     robot: str | None = None,
 ) -> list[Point]:
     """Simulations of a study: each draw without and with the stabilizer."""
-    drawn, equipped = [draw(motion, seed, number) for number in range(runs)], (actuators, sole)
-    of = robot or motion.robot, motion.hash()
-    return [Point(one, stabilizer, *equipped, *of) for one in drawn for stabilizer in (False, True)]
+    drawn, carried, robot = [draw(motion, seed, k) for k in range(runs)], motion.hash(), robot or motion.robot
+    return [Point(one, stabilizer, actuators, sole, robot, carried) for one in drawn for stabilizer in (False, True)]
 
 
 @dataclass(frozen=True)

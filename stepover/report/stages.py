@@ -184,7 +184,7 @@ def bought_by(robot: Robot, obstacle: Obstacle, key: KeyConfiguration, effort: E
     try:
         stage = after_adaptation(algorithm_1(robot, obstacle, key, effort))
     except Infeasible as error:
-        reason, stage = error.constraint, as_far_as_it_goes(robot, obstacle, key, effort)
+        reason, stage = str(error), as_far_as_it_goes(robot, obstacle, key, effort)
     third = stage.swing(LEG_2)
     soles = stage.feet.left[third], stage.feet.right[third]
     check, free = (

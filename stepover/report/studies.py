@@ -50,7 +50,7 @@ def _robot_files(robot: str) -> list[Path]:
     """Files of a robot by its name, or by the path of its robot.toml, which may lie among others."""
     if Path(robot).suffix == ".toml":
         found = robot_of(robot)
-        return [Path(robot), found.folder / found.urdf]
+        return [Path(robot), found.urdf_path]
     return sorted(path for path in (data_folder() / robot).iterdir() if path.suffix != ".md")
 
 

@@ -32,14 +32,14 @@ def best_way(
 
     Few samples rule most ways out: those that are not freer there than what is hopeless [m].
     """
-    spare, every = robot.adaptor.spare, robot.adaptor.look_every
+    every = robot.adaptor.look_every
     ways = np.array([(height, shift) for height in raises for shift in shifts])  # (1), then (2) and (1) again
     asked = robot, obstacle, sequence, waist, feet
     free = np.repeat(stance_clearances(*asked, raises, every), len(shifts))
     for closer in (FEW * every, every):
         hopeful = free > hopeless
         free[hopeful] = np.minimum(free[hopeful], swing_clearances(*asked, ways[hopeful], closer))
-    best = int(np.argmax(free >= min(spare, free.max() - TIE)))
+    best = int(np.argmax(free >= free.max() - TIE))
     height, shift = ways[best].tolist()
     return float(free[best]), shift, height
 

@@ -12,7 +12,6 @@ support: still coming down, it takes speed from the straightening trailing knee.
 from __future__ import annotations
 
 import dataclasses
-from functools import lru_cache
 
 import numpy as np
 
@@ -21,7 +20,6 @@ from stepover.model.robot import Robot
 from stepover.units.step_sequence import LEG_1, LEG_2, StepSequence
 
 
-@lru_cache(maxsize=16)
 def extra_shape(robot: Robot, level: int) -> SteppingOver:
     """Shape of the feet trajectories: the paper's at level 0, beyond it from level 1 on."""
     if level == 0:

@@ -128,7 +128,7 @@ def _asked(
 def _stance(
     robot: Robot, x_ads: np.ndarray, x_hds: np.ndarray, z_hds: np.ndarray, yaw: float
 ) -> tuple[np.ndarray, dict[int, np.ndarray]]:
-    """Waist (N, 7) and sole (N, 7) of each side for key configurations, (N,) each."""
+    """Waist (N, 7) and sole (N, 7) of each side, the leading one first, for key configurations, (N,) each."""
     leading = -1 if yaw >= 0.0 else 1
     zero = np.zeros_like(x_ads)
     soles = {

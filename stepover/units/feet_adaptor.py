@@ -36,8 +36,8 @@ class Adaptation:
         pushed: method (3), largest displacement of the ankle [m].
         start, end: first and last time at which anything differs [s], NaN if nothing does.
         clear: whether the legs are free, within reach and limits along phase 3.
-        inside: how deep methods (1) and (2) leave the trailing leg inside at the least [m], where that is more than
-            method (3) is for, infinity where the legs do not reach; else 0.
+        inside: how deep methods (1) and (2) leave the trailing leg inside [m], by few samples at least that, where it
+            is more than method (3) is for; infinity where no way is within reach and limits; else 0.
     """
 
     feet: FeetTrajectories
@@ -60,7 +60,7 @@ class Adaptation:
         return _clear(robot, obstacle, sequence, waist, self.feet)
 
     def refusal(self, robot: Robot, obstacle: Obstacle, sequence: StepSequence, waist: np.ndarray) -> Infeasible:
-        """What to raise where it is not clear, for the waist (N, 7) that was given: NoWay where it is far from that."""
+        """What to raise where it is not clear, for the waist (N, 7) given; NoWay where too much is left for (3)."""
         if self.inside > 0.0:
             return NoWay(self.inside, lambda: self.explain(robot, obstacle, sequence, waist))
         return self.explain(robot, obstacle, sequence, waist)
@@ -87,7 +87,7 @@ class Adaptation:
 METHODS = (1, 2, 3)
 """The methods of Sec. III-E, for those who want to switch some off."""
 SETTLED = 1e-4
-"""Method (3) ends with a round that would move the ankle by less [m]: a fifteenth of what is to spare."""
+"""Method (3) ends where a round would move the ankle by less [m]: next to nothing of what is to spare."""
 
 
 def adapt_feet(
@@ -132,7 +132,7 @@ def adapt_feet(
 def push_ankle(
     robot: Robot, obstacle: Obstacle, sequence: StepSequence, waist: np.ndarray, feet: FeetTrajectories
 ) -> FeetTrajectories:
-    """Method (3): the controller on the penetration distance, Eqs. (23)-(25), until nothing penetrates.
+    """Method (3): the controller on the penetration distance, Eqs. (23)-(25), until hardly anything penetrates.
 
     Each round computes the ankle's displacement at every colliding sample, spreads the largest smoothly over the
     neighbouring ones, and moves the foot with it, its orientation kept.
@@ -159,7 +159,7 @@ def push_ankle(
 
 
 def _clear(robot: Robot, obstacle: Obstacle, sequence: StepSequence, waist: np.ndarray, feet: FeetTrajectories) -> bool:
-    """Whether both legs are free along phase 3, within reach and limits: first the trailing one, which may not be."""
+    """Whether both legs are free along phase 3, within reach and limits; first the trailing, likelier to fail."""
     step, asked = sequence.step(LEG_2), limits(robot, obstacle, sequence)
     swing = slice(step.lift_off, step.touch_down + 1)
     return all(

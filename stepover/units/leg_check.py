@@ -89,8 +89,8 @@ def leg_is_free(
     posture = leg_posture(robot, side, waist, sole, knee_margin)
     free = posture.able()
     able = LegPosture(*(part[free] for part in posture))
-    left = rectangle if rectangle.ndim == 1 else rectangle[free]
-    free[free] = leg_separation(robot, side, able, left, spare)[0] >= spare
+    there = rectangle if rectangle.ndim == 1 else rectangle[free]
+    free[free] = leg_separation(robot, side, able, there, spare)[0] >= spare
     return free
 
 
