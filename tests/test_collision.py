@@ -13,6 +13,7 @@ from stepover.model.collision import (
     clearance,
     distance_between,
     exact_distance,
+    keep_free,
     least_separation,
     profile,
     separation,
@@ -123,6 +124,14 @@ def test_the_least_separation_is_that_of_all_shapes(robot, strewn, up_to, moving
     told = each.min(axis=0) < up_to
     assert told.sum() > 20
     np.testing.assert_allclose(each[which, np.arange(150)][told], least[told], atol=1e-12)
+
+
+@pytest.mark.parametrize("spare", [-0.02, 0.0, 0.003])
+def test_a_sample_keeps_free_by_what_its_least_separation_is(robot, strewn, spare):
+    least, _ = least_separation(robot.shapes, strewn, BEAM)
+    free = keep_free(robot.shapes, strewn, BEAM, spare)
+    assert 10 < free.sum() < 140
+    np.testing.assert_array_equal(free, least >= spare)
 
 
 def foot_at(robot, x, z, yaw=0.0):

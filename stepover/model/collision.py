@@ -136,6 +136,19 @@ def least_separation(
     return least, which
 
 
+def keep_free(shapes: list[Shape], placements: Placements, rectangle: np.ndarray, spare: float) -> np.ndarray:
+    """Which samples keep some distance to spare [m], (N,) bool: the first shape that does not ends the look."""
+    free = np.ones(len(placements.positions), dtype=bool)
+    low, high = _ends(rectangle)
+    for shape in reversed(shapes):
+        centre, radius = shape.sphere
+        middle = _rows(centre[None], shape.joint, placements, slice(None))[:, 0]
+        near = np.flatnonzero(free & (np.maximum(middle - high, low - middle).max(axis=0) - radius < spare))
+        if len(near):
+            free[near] = _separation(shape, placements, rectangle, near, min(NEAR, spare)) >= spare
+    return free
+
+
 def _along_edges(corners: np.ndarray, edges: np.ndarray, rectangle: np.ndarray) -> np.ndarray:
     """Largest separation (n,) over the normals of projected edges (2, E, n), of corners (2, V, n) and (4, n)."""
     lengths = np.hypot(*edges)

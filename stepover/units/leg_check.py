@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepover.model.collision import Shape, least_separation
+from stepover.model.collision import Shape, keep_free, least_separation
 from stepover.model.robot import Robot
 
 
@@ -90,7 +90,8 @@ def leg_is_free(
     free = posture.able()
     able = LegPosture(*(part[free] for part in posture))
     there = rectangle if rectangle.ndim == 1 else rectangle[free]
-    free[free] = leg_separation(robot, side, able, there, spare)[0] >= spare
+    placements = robot.body.placements(able.q, robot.leg(side).joints)
+    free[free] = keep_free(_own_shapes(robot, side)[1], placements, there, spare)
     return free
 
 
