@@ -185,26 +185,33 @@ def _first(
 
     An adapted leg that still collides came further than one that does not reach.
     Where a sole is out of reach by some length, only a waist that is lower by more is tried; where FTA finds no way,
-    for want of reach as well, only a lower one. A longer step needs a lower one still.
+    for want of reach as well, only a lower one. A longer step needs a lower one still. So where FTA finds no way, the
+    next step length waits for the one after it, which may rule it out.
     """
-    tried = [key for key in keys if _whole((key.x_ads - keys[0].x_ads) / robot.feasibility.step_length_more_step)]
+    apart = robot.feasibility.step_length_more_step
     for effort in efforts:
-        too_much, errors = np.inf, []
-        for key in tried:
-            if _demand(key) >= too_much:
-                continue
+        left = [key for key in keys if _whole((key.x_ads - keys[0].x_ads) / apart)]
+        found, errors, beyond = None, [], 0.0
+        while left:
+            key = next((key for key in left if key.x_ads > beyond), left[0])
+            before, beyond = left[: left.index(key)], 0.0
             try:
-                found = algorithm_1(robot, obstacle, key, effort)
+                plan = algorithm_1(robot, obstacle, key, effort)
                 if speed_limits == "respect":
-                    require_speeds(robot, found.motion)
-                return found
+                    require_speeds(robot, plan.motion)
+                found, left = plan, before
             except Infeasible as error:
-                errors.append(error)
-                if isinstance(error, (OutOfReach, NoWay)):
-                    lower = np.hypot(1.0, LEAN) * error.short if isinstance(error, OutOfReach) else 0.0
-                    too_much = min(too_much, _demand(key) - lower)
                 if error.nearest is not None:
                     raise
+                errors.append(error)
+                left.remove(key)
+                if isinstance(error, (OutOfReach, NoWay)):
+                    lower = np.hypot(1.0, LEAN) * error.short if isinstance(error, OutOfReach) else 0.0
+                    left = [other for other in left if _demand(other) < _demand(key) - lower]
+                if isinstance(error, NoWay):
+                    beyond = key.x_ads + 1.5 * apart
+        if found is not None:
+            return found
     explained = [error.explain() if isinstance(error, NoWay) else error for error in errors]
     raise min(explained, key=lambda error: (isinstance(error, OutOfReach), error.short))
 
