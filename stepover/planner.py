@@ -196,10 +196,10 @@ def _first(
             key = next((key for key in left if key.x_ads > beyond), left[0])
             before, beyond = left[: left.index(key)], 0.0
             try:
-                plan = algorithm_1(robot, obstacle, key, effort)
+                attempt = algorithm_1(robot, obstacle, key, effort)
                 if speed_limits == "respect":
-                    require_speeds(robot, plan.motion)
-                found, left = plan, before
+                    require_speeds(robot, attempt.motion)
+                found, left = attempt, before
             except Infeasible as error:
                 if error.nearest is not None:
                     raise
