@@ -72,7 +72,7 @@ def plan_in_detail(
     After a refusal, progress is called with the share done of the search for the nearest obstacle.
 
     What the paper describes comes first, with the arms at rest while the knees allow it; then UBMG; then what is
-    added beyond the paper. For each, key configurations are tried in the order in which FU finds them.
+    added beyond the paper. For each, of the key configurations in the order of FU the first that works is taken.
     """
     require_type("robot", robot, Robot, "load_robot(...)")
     require_type("obstacle", obstacle, Obstacle, "Obstacle(height, width)")
