@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stepover.errors import InvalidInput
+from stepover.model.legs import KNEE
 
 if TYPE_CHECKING:
     from stepover.model.robot import Robot
@@ -41,7 +42,7 @@ def require_agreement(robot: Robot) -> None:
     for knee in robot.legs.knee:
         if knee not in (*robot.legs.left, *robot.legs.right):
             raise InvalidInput(f"legs.knee: {knee!r} is in neither leg")
-        if knee not in (bends := [leg[3] for leg in (robot.legs.right, robot.legs.left)]):
+        if knee not in (bends := [leg[KNEE] for leg in (robot.legs.right, robot.legs.left)]):
             raise InvalidInput(f"legs.knee: {knee!r} is no knee: the fourth joints of the legs are {bends}")
     _require_possible(robot)
     if robot.feasibility.waist_height_min >= robot.posture.waist_height:
