@@ -115,6 +115,14 @@ def _ends(rectangle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return low, high
 
 
+def _sphere_separation(shape: Shape, placements: Placements, rectangle: np.ndarray) -> np.ndarray:
+    """Lower bound (N,) [m] of a shape's separation, by the sphere around it."""
+    centre, radius = shape.sphere
+    low, high = _ends(rectangle)
+    middle = _rows(centre[None], shape.joint, placements, slice(None))[:, 0]
+    return np.asarray(np.maximum(middle - high, low - middle).max(axis=0) - radius)
+
+
 def least_separation(
     shapes: list[Shape], placements: Placements, rectangle: np.ndarray, up_to: float = np.inf
 ) -> tuple[np.ndarray, np.ndarray]:
@@ -124,11 +132,8 @@ def least_separation(
     as it is the foot that is nearest.
     """
     least, which = np.full(len(placements.positions), up_to), np.zeros(len(placements.positions), dtype=int)
-    low, high = _ends(rectangle)
     for k in reversed(range(len(shapes))):
-        centre, radius = shapes[k].sphere
-        middle = _rows(centre[None], shapes[k].joint, placements, slice(None))[:, 0]
-        near = np.flatnonzero(np.maximum(middle - high, low - middle).max(axis=0) - radius <= least)
+        near = np.flatnonzero(_sphere_separation(shapes[k], placements, rectangle) <= least)
         if len(near):
             here = _separation(shapes[k], placements, rectangle, near, min(NEAR, up_to))
             nearer = here <= least[near]
@@ -139,11 +144,8 @@ def least_separation(
 def keep_free(shapes: list[Shape], placements: Placements, rectangle: np.ndarray, spare: float) -> np.ndarray:
     """Which samples keep some distance to spare [m], (N,) bool: the first shape that does not ends the look."""
     free = np.ones(len(placements.positions), dtype=bool)
-    low, high = _ends(rectangle)
     for shape in reversed(shapes):
-        centre, radius = shape.sphere
-        middle = _rows(centre[None], shape.joint, placements, slice(None))[:, 0]
-        near = np.flatnonzero(free & (np.maximum(middle - high, low - middle).max(axis=0) - radius < spare))
+        near = np.flatnonzero(free & (_sphere_separation(shape, placements, rectangle) < spare))
         if len(near):
             free[near] = _separation(shape, placements, rectangle, near, min(NEAR, spare)) >= spare
     return free
