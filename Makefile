@@ -28,13 +28,13 @@ reproduce: $(READY)  ## run every notebook; write every figure and claim to figu
 
 site: $(READY)       ## make build/site/: all of it as pages that need no network, links checked
 	@echo "Making the site; this takes about a minute and a half, and five minutes more where notebooks are to be run."
-	@$(PYTHON) -m stepover.report.site
+	@$(PYTHON) -m tools.site
 
 test: $(READY)       ## run the tests, the notebooks with quick parameters among them
 	$(PYTHON) -m pytest -n auto --dist loadfile
 
 studies: $(READY)    ## make the long tables in figures/ on all cores; goes on where it was interrupted
-	$(PYTHON) -m stepover.report.studies
+	$(PYTHON) -m stepover.studies
 
 lab: $(READY)        ## open JupyterLab on the notebooks
 	$(PYTHON) -m jupyterlab notebooks
@@ -42,7 +42,7 @@ lab: $(READY)        ## open JupyterLab on the notebooks
 bench: $(READY)      ## measure how fast planning and simulation are; adds to bench/history.json, docs/speed.md
 	@mkdir -p build
 	$(PYTHON) -m pytest bench --benchmark-json build/bench.json --benchmark-quiet
-	$(PYTHON) -m stepover.report.bench build/bench.json bench/history.json docs/speed.md
+	$(PYTHON) -m tools.bench build/bench.json bench/history.json docs/speed.md
 
 lint: $(READY)       ## check style, types, and that the notebooks carry no outputs
 	$(PYTHON) -m ruff check

@@ -13,16 +13,16 @@ from prepared import HIGHER, WIDTH, ready
 
 from stepover.model.body import _pool as rigid_joints
 from stepover.model.obstacle import Obstacle
-from stepover.planner import plan_in_detail, whole_body
-from stepover.units.beyond_paper import extra_shape, extra_zmp, waist_delay
-from stepover.units.com_waist import com_and_waist
-from stepover.units.dynamic_filter import filtered_waist
-from stepover.units.feasibility import key_configurations
-from stepover.units.feet_adaptor import adapt_feet
-from stepover.units.feet_trajectories import feet_trajectories
-from stepover.units.step_sequence import step_sequence
-from stepover.units.upper_body import upper_body
-from stepover.verdict import require
+from stepover.planning.algorithm_1.beyond_paper import extra_shape, extra_zmp, waist_delay
+from stepover.planning.algorithm_1.com_waist import com_and_waist
+from stepover.planning.algorithm_1.dynamic_filter import filtered_waist
+from stepover.planning.algorithm_1.feasibility import key_configurations
+from stepover.planning.algorithm_1.feet_adaptor import adapt_feet
+from stepover.planning.algorithm_1.feet_trajectories import feet_trajectories
+from stepover.planning.algorithm_1.planner import plan_in_detail, whole_body
+from stepover.planning.algorithm_1.step_sequence import step_sequence
+from stepover.planning.algorithm_1.upper_body import upper_body
+from stepover.planning.checks import require
 
 ROUNDS = 9
 HEIGHTS = (0.05, 0.15, 0.25)

@@ -7,8 +7,8 @@ import sys
 
 from prepared import HIGHER, WIDTH, ready
 
+from stepover.analysis.planar.feasibility_domain import feasibility_domains
 from stepover.model.collision import clearance
-from stepover.model.feasibility_domain import feasibility_domains
 from stepover.model.obstacle import Obstacle
 from stepover.simulation.run import simulate
 

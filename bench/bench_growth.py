@@ -11,7 +11,7 @@ import pytest
 from prepared import HIGHER, WIDTH
 
 from stepover.model.obstacle import Obstacle
-from stepover.planner import plan_in_detail
+from stepover.planning.algorithm_1.planner import plan_in_detail
 
 HEIGHT, GROUP = 0.15, "15 cm"
 WALKS = {30: 6.5, 100: 28.1, 300: 90.6, 1000: 309.4}

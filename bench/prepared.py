@@ -8,11 +8,12 @@ from functools import lru_cache
 import numpy as np
 
 from stepover.model.obstacle import Obstacle
-from stepover.model.robot import Robot, load_robot
-from stepover.planned import Plan
-from stepover.planner import plan_in_detail, whole_body
-from stepover.units.dynamic_filter import filtered_waist
-from stepover.units.upper_body import moved
+from stepover.model.robot import Robot
+from stepover.planning.algorithm_1.dynamic_filter import filtered_waist
+from stepover.planning.algorithm_1.planned import Plan
+from stepover.planning.algorithm_1.planner import plan_in_detail, whole_body
+from stepover.planning.algorithm_1.upper_body import moved
+from stepover.robots.loading import load_robot
 
 WIDTH = 0.05
 HIGHER = 1e-4

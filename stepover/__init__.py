@@ -15,10 +15,11 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from stepover.errors import CorruptMotion, Infeasible, InvalidInput, StepOverError
     from stepover.model.obstacle import Obstacle
-    from stepover.model.robot import Robot, load_robot
-    from stepover.motion import Motion
-    from stepover.planner import plan
-    from stepover.quasi_static import quasi_static_plan
+    from stepover.model.robot import Robot
+    from stepover.motion.motion import Motion
+    from stepover.planning.algorithm_1.planner import plan
+    from stepover.planning.quasi_static.planner import quasi_static_plan
+    from stepover.robots.loading import load_robot
     from stepover.simulation.run import simulate
 
 __version__ = "0.1.0"
@@ -27,13 +28,13 @@ _HOMES = {
     "CorruptMotion": "stepover.errors",
     "Infeasible": "stepover.errors",
     "InvalidInput": "stepover.errors",
-    "Motion": "stepover.motion",
+    "Motion": "stepover.motion.motion",
     "Obstacle": "stepover.model.obstacle",
     "Robot": "stepover.model.robot",
     "StepOverError": "stepover.errors",
-    "load_robot": "stepover.model.robot",
-    "plan": "stepover.planner",
-    "quasi_static_plan": "stepover.quasi_static",
+    "load_robot": "stepover.robots.loading",
+    "plan": "stepover.planning.algorithm_1.planner",
+    "quasi_static_plan": "stepover.planning.quasi_static.planner",
     "simulate": "stepover.simulation.run",
 }
 __all__ = [

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 from functools import cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from stepover.model.obstacle import Obstacle
+
+class Advice(Protocol):
+    """What can be done instead: an obstacle that can be crossed."""
+
+    def as_advice(self) -> str:
+        """In a few words, for the end of a message."""
 
 
 class StepOverError(Exception):
@@ -42,7 +47,7 @@ class Infeasible(StepOverError):
         short: what is missing, where that is a length [m]; infinity where it is not.
     """
 
-    def __init__(self, constraint: str, nearest: Obstacle | None = None, short: float = float("inf")) -> None:
+    def __init__(self, constraint: str, nearest: Advice | None = None, short: float = float("inf")) -> None:
         """Keep the binding constraint and, once known, the nearest crossable obstacle."""
         self.constraint = constraint
         self.nearest = nearest
@@ -73,6 +78,6 @@ class NoWay(Infeasible):
         """What remains: the link, the depth and when."""
         return str(self.explain())
 
-    def __reduce__(self) -> tuple[type[Infeasible], tuple[str, Obstacle | None, float]]:
+    def __reduce__(self) -> tuple[type[Infeasible], tuple[str, Advice | None, float]]:
         """Another process gets what it says, not what it would have to look at."""
         return Infeasible, (str(self), self.nearest, self.short)

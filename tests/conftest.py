@@ -14,12 +14,14 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+from stepover.locations import data_folder
 from stepover.model import pose
 from stepover.model.obstacle import Obstacle
-from stepover.model.robot import Robot, data_folder, load_robot
-from stepover.motion import Motion
-from stepover.planned import Plan
-from stepover.planner import plan_in_detail
+from stepover.model.robot import Robot
+from stepover.motion.motion import Motion
+from stepover.planning.algorithm_1.planned import Plan
+from stepover.planning.algorithm_1.planner import plan_in_detail
+from stepover.robots.loading import load_robot
 
 HRP2 = data_folder() / "hrp2"
 

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from stepover.motion import Motion
+from stepover.motion.motion import Motion
 
 
 def faked(motion: Motion, *, stabilizer: bool, perturb: dict[str, float], **how: Any) -> Any:
@@ -42,8 +42,8 @@ if __name__ == "__main__":
     from pathlib import Path
 
     from stepover.cli import main
-    from stepover.report import robustness
-    from stepover.report.studies import run_study
+    from stepover.studies import robustness
+    from stepover.studies.study import run_study
 
     if sys.argv[1] == "--slow":
         from faked_simulation import slow as work  # by its module's name, which the workers can import

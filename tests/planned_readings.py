@@ -12,7 +12,7 @@ from stepover.control.reference import Reference, reference
 from stepover.control.sensors import Sensed
 from stepover.model import pose
 from stepover.model.robot import Robot
-from stepover.motion import Motion
+from stepover.motion.motion import Motion
 
 
 def planned_estimate(planned: Reference, sample: int) -> Estimate:

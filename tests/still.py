@@ -7,7 +7,7 @@ from dataclasses import fields, replace
 import numpy as np
 
 from stepover.model.robot import Robot
-from stepover.motion import Motion
+from stepover.motion.motion import Motion
 
 
 def samples_of(motion: Motion, samples: np.ndarray) -> Motion:

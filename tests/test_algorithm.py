@@ -5,9 +5,9 @@ import inspect
 
 import pytest
 
-from stepover import planner
+from stepover.analysis.block_diagram import INPUT, NAMES, OUTPUT, diagram
+from stepover.planning.algorithm_1 import planner
 from stepover.report import figures
-from stepover.report.algorithm import INPUT, NAMES, OUTPUT, diagram
 from stepover.report.figures.blocks import SYMBOLS
 
 SOURCE = inspect.getsource(planner)

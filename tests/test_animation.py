@@ -7,10 +7,10 @@ from PIL import Image
 
 from stepover.errors import InvalidInput
 from stepover.report.figures import crossing_times, save_film, style
-from stepover.simulation import animation
-from stepover.simulation.animation import crossing_frames
-from stepover.simulation.engine import pybullet
-from stepover.simulation.video import acted, furnish, seen, stage
+from stepover.simulation.pybullet import animation
+from stepover.simulation.pybullet.animation import crossing_frames
+from stepover.simulation.pybullet.client import pybullet
+from stepover.simulation.pybullet.video import acted, furnish, seen, stage
 
 SIZE = (160, 110)
 

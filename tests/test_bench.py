@@ -8,8 +8,8 @@ import sys
 import pytest
 
 from stepover.errors import InvalidInput
-from stepover.model.robot import data_folder
-from stepover.report.bench import (
+from stepover.locations import data_folder
+from tools.bench import (
     Benchmark,
     Timed,
     append,

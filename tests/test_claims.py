@@ -11,16 +11,17 @@ import numpy as np
 import pytest
 from test_reproduce import write
 
+from stepover.analysis import simplifications
 from stepover.errors import InvalidInput
+from stepover.locations import checkout
 from stepover.model.obstacle import Obstacle
-from stepover.planner import plan
-from stepover.report import simplifications
-from stepover.report import verdicts as module
-from stepover.report.claims import DIFFERS, VERDICTS, Claim, read_claims
-from stepover.report.marked import marks
-from stepover.report.recorder import Recorder, shown
-from stepover.report.reproduce import NotebookFailed, checkout, reproduce
-from stepover.report.verdicts import MARK, gather, read_entries, readme_table, tally, with_table
+from stepover.planning.algorithm_1.planner import plan
+from stepover.reproduction import verdicts as module
+from stepover.reproduction.claims import DIFFERS, VERDICTS, Claim, read_claims
+from stepover.reproduction.marked import marks
+from stepover.reproduction.recorder import Recorder, shown
+from stepover.reproduction.run import NotebookFailed, reproduce
+from stepover.reproduction.verdicts import MARK, gather, read_entries, readme_table, tally, with_table
 
 START, END = marks(MARK)
 
@@ -183,7 +184,7 @@ def top(tmp_path, known):
     known.write_text(as_toml(one={}, two={"notebook": "other"}))
     (tmp_path / "figures").mkdir()
     (tmp_path / "README.md").write_text(f"before\n{START}\nold\n{END}\nafter\n")
-    begin = "from pathlib import Path\n\nfrom stepover.report.recorder import Recorder\n"
+    begin = "from pathlib import Path\n\nfrom stepover.reproduction.recorder import Recorder\n"
     for name, which in (("good", "one"), ("other", "two")):
         recorder = f'judged = Recorder("{name}", output, Path({str(known)!r}), height=height)'
         write(tmp_path, name, begin + recorder, f'judged.record("{which}", height / 0.15, "why")')
@@ -236,7 +237,7 @@ class TestReproduce:
         old, begun = results(top), top / "begun"
         wait = f"import time\nfrom pathlib import Path\n\nPath({str(begun)!r}).touch()\ntime.sleep(60)"
         write(top, "zlast", wait)
-        run = "import sys, pathlib; from stepover.report import reproduce as r; r.reproduce(pathlib.Path(sys.argv[1]))"
+        run = "import sys, pathlib; from stepover.reproduction import run as r; r.reproduce(pathlib.Path(sys.argv[1]))"
         with subprocess.Popen([sys.executable, "-c", run, str(top)], stderr=subprocess.DEVNULL) as process:
             while not begun.exists() and process.poll() is None:
                 time.sleep(0.05)
@@ -330,7 +331,7 @@ class TestThePapersClaims:
     @each
     def test_is_recorded_once_by_its_notebook(self, name):
         cells = [cell.source for cell in NOTEBOOKS[CLAIMS[name].notebook].cells if cell.cell_type == "code"]
-        tables = (TOP / "stepover" / "report" / "landing_tables.py").read_text()
+        tables = (TOP / "stepover" / "report" / "tables" / "landing.py").read_text()
         assert sum(cell.count(f'judged.record("{name}"') for cell in cells) + tables.count(f'("{name}",') == 1
 
     @each

@@ -13,14 +13,16 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from stepover import Motion, Obstacle, __version__, load_robot, planner
+import stepover.locations
+from stepover import Motion, Obstacle, __version__, load_robot
 from stepover.cli import main
 from stepover.cli.commands import progress
 from stepover.cli.simulate import plot_failure
 from stepover.errors import InvalidInput
-from stepover.report import reproduce as module
+from stepover.planning.algorithm_1 import planner
 from stepover.report import summary
-from stepover.report.verdicts import RECORDED
+from stepover.reproduction import run as module
+from stepover.reproduction.verdicts import RECORDED
 
 PLAN_KEYS = {
     "robot", "obstacle", "key_configuration", "duration", "step_over_duration", "samples", "zmp_rms_first_stage",
@@ -300,7 +302,7 @@ class TestReproduce:
     def test_it_says_what_and_where_in_few_lines(self, monkeypatch, tmp_path_factory):
         top = tmp_path_factory.mktemp("top")
         written = [top / "figures" / "a.png", top / "figures" / "b.png", top / "README.md"]
-        monkeypatch.setattr(module, "checkout", lambda: top)
+        monkeypatch.setattr(stepover.locations, "checkout", lambda: top)
         monkeypatch.setattr(module, "reproduce", lambda *_: written)
         (top / "figures").mkdir()
         entries = [{"id": str(k), "verdict": "holds"} | dict.fromkeys(RECORDED[2:]) | {"measured": 1} for k in range(3)]
@@ -350,7 +352,7 @@ class TestWhole:
             assert word in done.stderr
 
     def test_a_module_of_our_own_that_is_missing_is_a_bug(self):
-        done = run_without("stepover.planner")
+        done = run_without("stepover.planning.algorithm_1.planner")
         assert done.returncode == 1
         assert "Traceback" in done.stderr
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from stepover import InvalidInput
-from stepover.report.delta_ds import delta_ds_stepping_over, delta_ds_walking
+from stepover.analysis.delta_ds import delta_ds_stepping_over, delta_ds_walking
 
 LENGTHS = [0.20, 0.30, 0.40, 0.50]
 

@@ -11,14 +11,14 @@ from still import samples_of, standing
 from stepover.control.sensors import Sensed
 from stepover.errors import InvalidInput
 from stepover.model.robot import Robot
-from stepover.motion import Motion
+from stepover.motion.motion import Motion
 from stepover.simulation.disturbances import NONE, Disturbances, explained
 from stepover.simulation.loop import floor_changes
 from stepover.simulation.measurements import Run
+from stepover.simulation.pybullet.world import World, pybullet
 from stepover.simulation.run import simulate
 from stepover.simulation.sensing import Senses
 from stepover.simulation.touch import NOTHING, Touch
-from stepover.simulation.world import World, pybullet
 
 
 def stood(motion: Motion, robot: Robot, duration: float = 0.5, **perturb: float) -> Run:

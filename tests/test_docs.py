@@ -11,11 +11,12 @@ import pytest
 import stepover
 from stepover import Obstacle, load_robot
 from stepover.cli import commands
-from stepover.report.claims import read_claims
-from stepover.report.marked import marks
-from stepover.report.reproduce import checkout, parameters_of
-from stepover.report.trials import UNDISTURBED, read_table
-from stepover.report.verdicts import MARK
+from stepover.locations import checkout
+from stepover.reproduction.claims import read_claims
+from stepover.reproduction.marked import marks
+from stepover.reproduction.run import parameters_of
+from stepover.reproduction.verdicts import MARK
+from stepover.studies.trials import UNDISTURBED, read_table
 
 START, END = marks(MARK)
 

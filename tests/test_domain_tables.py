@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from stepover.model.domains import Domains
-from stepover.model.feasibility_domain import feasibility_domains
-from stepover.report import domain_tables
-from stepover.report.double_support import double_support
-from stepover.report.key_domain import key_domain, key_grid
+from stepover.analysis.double_support import double_support
+from stepover.analysis.key_domain import key_domain, key_grid
+from stepover.analysis.planar.domains import Domains
+from stepover.analysis.planar.feasibility_domain import feasibility_domains
+from stepover.report.tables import domains as domain_tables
 
 
 @pytest.fixture(scope="module")

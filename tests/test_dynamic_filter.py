@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from stepover.model import pose
-from stepover.units.dynamic_filter import filtered_waist
+from stepover.planning.algorithm_1.dynamic_filter import filtered_waist
 
 COUNT = 1600
 

@@ -11,7 +11,7 @@ import pytest
 from stepover import Infeasible, Obstacle
 from stepover.model import pose
 from stepover.model.collision import exact_distance
-from stepover.units.feasibility import key_configurations, key_postures
+from stepover.planning.algorithm_1.feasibility import key_configurations, key_postures
 
 
 def posture(robot, key, leading=-1):

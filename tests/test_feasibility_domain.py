@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from stepover import InvalidInput, Obstacle
-from stepover.model.crossing import lines_meet
-from stepover.model.domains import Domains
-from stepover.model.feasibility_domain import Reading, feasibility_domains, feasible, taken
-from stepover.model.planar_biped import leg_lines, planar_leg
-from stepover.units.feasibility import key_configurations
+from stepover.analysis.planar.biped import leg_lines, planar_leg
+from stepover.analysis.planar.crossing import lines_meet
+from stepover.analysis.planar.domains import Domains
+from stepover.analysis.planar.feasibility_domain import Reading, feasibility_domains, feasible, taken
+from stepover.planning.algorithm_1.feasibility import key_configurations
 
 STEP = 0.0005
 """Between the places at which brute force tries the obstacle [m]."""

@@ -5,18 +5,24 @@ import pytest
 
 from stepover.errors import Infeasible, NoWay
 from stepover.model.obstacle import Obstacle
-from stepover.planned import Effort
-from stepover.planner import algorithm_1, plan_in_detail
-from stepover.units import adaptor_ways
-from stepover.units.adaptor_ways import raise_waist, shift_back, stance_clearances, swing_clearances, waist_bump
-from stepover.units.beyond_paper import extra_shape, extra_zmp
-from stepover.units.com_waist import com_and_waist
-from stepover.units.feasibility import key_configurations
-from stepover.units.feet_adaptor import adapt_feet, push_ankle
-from stepover.units.feet_trajectories import feet_trajectories
-from stepover.units.leg_check import check_legs
-from stepover.units.step_sequence import LEG_2, step_sequence
-from stepover.verdict import measure
+from stepover.planning.algorithm_1 import adaptor_ways
+from stepover.planning.algorithm_1.adaptor_ways import (
+    raise_waist,
+    shift_back,
+    stance_clearances,
+    swing_clearances,
+    waist_bump,
+)
+from stepover.planning.algorithm_1.beyond_paper import extra_shape, extra_zmp
+from stepover.planning.algorithm_1.com_waist import com_and_waist
+from stepover.planning.algorithm_1.feasibility import key_configurations
+from stepover.planning.algorithm_1.feet_adaptor import adapt_feet, push_ankle
+from stepover.planning.algorithm_1.feet_trajectories import feet_trajectories
+from stepover.planning.algorithm_1.planned import Effort
+from stepover.planning.algorithm_1.planner import algorithm_1, plan_in_detail
+from stepover.planning.algorithm_1.step_sequence import LEG_2, step_sequence
+from stepover.planning.checks import measure
+from stepover.planning.leg_check import check_legs
 
 
 @pytest.fixture(scope="module")

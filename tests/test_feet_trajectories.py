@@ -9,9 +9,9 @@ from conftest import yaw_of
 from stepover import Obstacle
 from stepover.model import pose
 from stepover.model.robot import Robot
-from stepover.units.feasibility import key_configurations
-from stepover.units.feet_trajectories import clamped_spline, feet_trajectories, landing
-from stepover.units.step_sequence import BEFORE, LEG_1, LEG_2, step_sequence
+from stepover.planning.algorithm_1.feasibility import key_configurations
+from stepover.planning.algorithm_1.feet_trajectories import clamped_spline, feet_trajectories, landing
+from stepover.planning.algorithm_1.step_sequence import BEFORE, LEG_1, LEG_2, step_sequence
 
 HEEL, TOE, THICKNESS = 0.1056, 0.1356, 0.030  # the foot's envelope from the ankle, and its lower box's height
 DT = 0.005

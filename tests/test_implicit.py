@@ -8,7 +8,7 @@ import pytest
 from stepover.model.implicit import Prediction
 from stepover.model.pose import rotation
 from stepover.model.robot import Robot
-from stepover.motion import Motion
+from stepover.motion.motion import Motion
 
 DOWN = np.array([0.0, 0.0, -9.81])
 

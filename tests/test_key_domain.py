@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from stepover import Infeasible, InvalidInput, Obstacle
-from stepover.report.key_domain import (
+from stepover.analysis.key_domain import (
     first_found,
     frontier,
     frontiers,
@@ -17,7 +17,7 @@ from stepover.report.key_domain import (
     key_grid,
     yaw_gains,
 )
-from stepover.units.feasibility import key_configurations
+from stepover.planning.algorithm_1.feasibility import key_configurations
 
 STEP = 0.01
 

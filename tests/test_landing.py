@@ -10,13 +10,10 @@ import numpy as np
 import pytest
 
 from stepover import Obstacle, simulate
-from stepover.control.sensors import Sensed
-from stepover.errors import InvalidInput
-from stepover.model.pose import pose
-from stepover.report import landing_study, landing_tables
-from stepover.report.agreement import NEARLY, NO, YES
-from stepover.report.claims import read_claims
-from stepover.report.landing import (
+from stepover.analysis.landing.control import THRESHOLD, AsPlanned, LandingControl
+from stepover.analysis.landing.force import land, measured
+from stepover.analysis.landing.settings import BASES, FITTED, RIGID, VARIATIONS, Setting
+from stepover.analysis.landing.swings import (
     NAIVE,
     SAME_APEX,
     SHAPED,
@@ -29,14 +26,18 @@ from stepover.report.landing import (
     through_control_points,
     with_feet,
 )
-from stepover.report.landing_control import THRESHOLD, AsPlanned, LandingControl
-from stepover.report.landing_force import land, measured
-from stepover.report.landing_settings import BASES, FITTED, RIGID, VARIATIONS, Setting
-from stepover.report.landing_study import LONG, SHORT, Landed, Point, agreement_of, at
-from stepover.report.landing_tables import PAPER_NAIVE, PAPER_SHAPED, nearest_pairs, pair
-from stepover.units.feet_trajectories import Swing, fourth_order
-from stepover.units.step_sequence import LEG_1
-from stepover.verdict import measure, require
+from stepover.control.sensors import Sensed
+from stepover.errors import InvalidInput
+from stepover.model.pose import pose
+from stepover.planning.algorithm_1.feet_trajectories import Swing, fourth_order
+from stepover.planning.algorithm_1.step_sequence import LEG_1
+from stepover.planning.checks import measure, require
+from stepover.report.tables import landing as landing_tables
+from stepover.report.tables.landing import PAPER_NAIVE, PAPER_SHAPED, nearest_pairs, pair
+from stepover.reproduction.claims import read_claims
+from stepover.studies import landing as landing_study
+from stepover.studies.agreement import NEARLY, NO, YES
+from stepover.studies.landing import LONG, SHORT, Landed, Point, agreement_of, at
 
 DT, STEP = 0.005, 0.001
 

@@ -7,7 +7,7 @@ import pytest
 
 from stepover.model.obstacle import Obstacle
 from stepover.model.pose import pose
-from stepover.units.leg_check import check_legs, leg_is_free, leg_shapes
+from stepover.planning.leg_check import check_legs, leg_is_free, leg_shapes
 
 
 @pytest.fixture(scope="module")

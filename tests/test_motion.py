@@ -10,7 +10,7 @@ import zipfile
 import numpy as np
 import pytest
 
-import stepover.motion
+import stepover.motion.motion
 from stepover import CorruptMotion, InvalidInput, Motion
 
 ARRAYS = [field.name for field in dataclasses.fields(Motion) if field.name not in ("robot", "format", "version")]
@@ -306,7 +306,7 @@ def test_writing_that_fails_midway_leaves_the_old_file_and_nothing_else(motion, 
 
         return Fragile(file, fail)
 
-    monkeypatch.setattr(stepover.motion, "open", fragile, raising=False)
+    monkeypatch.setattr(stepover.output, "open", fragile, raising=False)
     with pytest.raises((InvalidInput, KeyboardInterrupt)):
         getattr(motion, write)(path)
     assert path.read_bytes() == b"old"

@@ -3,8 +3,8 @@
 import pytest
 
 from stepover.errors import InvalidInput
-from stepover.report import obstacle_list
-from stepover.report.obstacle_list import axis, grid, read_list
+from stepover.studies import obstacle_list
+from stepover.studies.obstacle_list import axis, grid, read_list
 
 
 @pytest.mark.parametrize(

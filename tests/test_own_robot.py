@@ -15,13 +15,14 @@ from conftest import HRP2, as_toml
 from scipy.spatial import ConvexHull
 
 from stepover import Infeasible, InvalidInput, Obstacle, load_robot, plan, simulate
+from stepover.analysis.delta_ds import delta_ds_stepping_over
+from stepover.locations import data_folder
 from stepover.model.body import Body
-from stepover.model.files import data_folder, find_mesh, find_urdf
-from stepover.report.delta_ds import delta_ds_stepping_over
-from stepover.simulation.description import Description
-from stepover.simulation.engine import load_body, pybullet, silenced
-from stepover.simulation.rigid import merge_fixed
-from stepover.units.feasibility import key_configurations
+from stepover.planning.algorithm_1.feasibility import key_configurations
+from stepover.robots.files import find_mesh, find_urdf
+from stepover.simulation.pybullet.client import load_body, pybullet, silenced
+from stepover.simulation.pybullet.description import Description
+from stepover.simulation.pybullet.rigid import merge_fixed
 
 JVRC1 = data_folder() / "jvrc1"
 needs_jvrc1 = pytest.mark.skipif(

@@ -8,9 +8,9 @@ import time
 import pytest
 
 from stepover.errors import InvalidInput, StepOverError
-from stepover.report import parallel
-from stepover.report.parallel import computed
-from stepover.report.studies import run_study
+from stepover.studies import parallel
+from stepover.studies.parallel import computed
+from stepover.studies.study import run_study
 
 
 @pytest.fixture(scope="module")

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from stepover.model import pose
-from stepover.units.penetration import ankle_displacements, displace, horizontal_depth, jacobians
+from stepover.planning.algorithm_1.penetration import ankle_displacements, displace, horizontal_depth, jacobians
 
 ANGLES = np.radians([-3.0, 2.0, -60.0, 100.0, -35.0, -2.0])
 

@@ -10,9 +10,8 @@ import pytest
 import shapely
 
 from stepover import InvalidInput
-from stepover.model import pose
-from stepover.model.crossing import lines_meet, segments_meet
-from stepover.model.planar_biped import (
+from stepover.analysis.double_support import DoubleSupport, double_support
+from stepover.analysis.planar.biped import (
     between_feet,
     joint_angles,
     leg_lines,
@@ -21,7 +20,8 @@ from stepover.model.planar_biped import (
     planar_biped,
     planar_leg,
 )
-from stepover.report.double_support import DoubleSupport, double_support
+from stepover.analysis.planar.crossing import lines_meet, segments_meet
+from stepover.model import pose
 
 
 @pytest.fixture(scope="module")

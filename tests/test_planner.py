@@ -13,13 +13,14 @@ import pinocchio as pin
 import pytest
 from conftest import HRP2, yaw_of
 
-from stepover import Infeasible, InvalidInput, Motion, Obstacle, load_robot, plan, planner, quasi_static_plan
+from stepover import Infeasible, InvalidInput, Motion, Obstacle, load_robot, plan, quasi_static_plan
 from stepover.model import pose
 from stepover.model.support import zmp_margin
-from stepover.planned import Effort
-from stepover.planner import algorithm_1, plan_in_detail
-from stepover.units.feasibility import key_configurations
-from stepover.verdict import measure
+from stepover.planning.algorithm_1 import planner
+from stepover.planning.algorithm_1.feasibility import key_configurations
+from stepover.planning.algorithm_1.planned import Effort
+from stepover.planning.algorithm_1.planner import algorithm_1, plan_in_detail
+from stepover.planning.checks import measure
 
 CORNERS = [(height, width) for height in (0.05, 0.15) for width in (0.02, 0.08)]
 BETWEEN = [(0.12, 0.05), *np.random.default_rng(15).uniform([0.05, 0.02], [0.15, 0.08], (3, 2)).round(3).tolist()]
@@ -238,7 +239,8 @@ class TestFifteenCentimetres:
 
     def test_the_same_in_another_process(self, motion, tmp_path):
         code = (
-            "from stepover import Obstacle, load_robot; from stepover.planner import plan_in_detail;"
+            "from stepover import Obstacle, load_robot\n"
+            "from stepover.planning.algorithm_1.planner import plan_in_detail\n"
             "found = plan_in_detail(load_robot('hrp2'), Obstacle(0.15, 0.05), look_for_nearest=False);"
             "print(found.motion.hash())"
         )

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 from scipy.linalg import lstsq, solve_discrete_are
 
-from stepover.model.parameters import Preview
-from stepover.units.preview_control import GRAVITY, cart, kajita_gains, track, wieber_gains, wieber_matrices
+from stepover.model.gravity import GRAVITY
+from stepover.model.parameters.planning import Preview
+from stepover.planning.algorithm_1.preview_control import cart, kajita_gains, track, wieber_gains, wieber_matrices
 
 DT, WINDOW, Q, R, Z_C = 0.005, 320, 1.0, 1e-6, 0.814
 

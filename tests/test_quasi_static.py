@@ -12,17 +12,26 @@ import pytest
 
 import stepover
 from stepover import Infeasible, InvalidInput, Motion, Obstacle
+from stepover.model.gravity import GRAVITY
 from stepover.model.support import zmp_margin
-from stepover.quasi_static import ZMP_MULTIPLE, quasi_static_crossable, quasi_static_in_detail
+from stepover.planning.checks import measure, require
+from stepover.planning.leg_check import check_legs
+from stepover.planning.quasi_static import search as quasi_static_search
+from stepover.planning.quasi_static.balance import Targets, balanced, joined
+from stepover.planning.quasi_static.path import (
+    LEG_1_OVER,
+    LEG_2_OVER,
+    SEGMENTS,
+    TO_FRONT,
+    corners,
+    pace,
+    smooth,
+    targets,
+)
+from stepover.planning.quasi_static.planner import ZMP_MULTIPLE, quasi_static_crossable, quasi_static_in_detail
+from stepover.planning.quasi_static.search import find_way
+from stepover.planning.quasi_static.timing import durations
 from stepover.simulation.run import simulate
-from stepover.units import quasi_static_search
-from stepover.units.balance import Targets, balanced, joined
-from stepover.units.leg_check import check_legs
-from stepover.units.preview_control import GRAVITY
-from stepover.units.quasi_static_search import find_way
-from stepover.units.quasi_static_timing import durations
-from stepover.units.quasi_static_way import LEG_1_OVER, LEG_2_OVER, SEGMENTS, TO_FRONT, corners, pace, smooth, targets
-from stepover.verdict import measure, require
 
 EPSILON = 0.001
 
@@ -41,7 +50,7 @@ def quick(robot, obstacle):
 
 def test_it_is_promised():
     assert "quasi_static_plan" in stepover.__all__
-    assert stepover.quasi_static_plan.__module__ == "stepover.quasi_static"
+    assert stepover.quasi_static_plan.__module__ == "stepover.planning.quasi_static.planner"
 
 
 def test_no_way_keeps_three_centimetres_so_it_keeps_one(robot, slow, obstacle):

@@ -11,7 +11,7 @@ import pytest
 from conftest import DROP, HRP2
 
 from stepover import InvalidInput, load_robot
-from stepover.model import reading
+from stepover.robots import reading
 
 TABLE = tomllib.loads((HRP2 / "robot.toml").read_text())
 
@@ -182,12 +182,15 @@ def test_lengths_times_and_weights_may_be_neither_negative_nor_zero():
     assert not free & {"single_support", "double_support", "jerk_weight", "zmp_weight", "step_length", "delta_ds"}
 
 
+ATTRIBUTES = {"urdf": "urdf_path"}
+
+
 def test_what_is_read_is_what_is_written(robot):
     for keys, value in LEAVES.items():
         read = robot
         for key in keys:
-            read = read[key] if isinstance(read, types.MappingProxyType) else getattr(read, key)
-        assert as_lists(read) == value, dotted(keys)
+            read = read[key] if isinstance(read, types.MappingProxyType) else getattr(read, ATTRIBUTES.get(key, key))
+        assert as_lists(read) == (robot.urdf_path if keys == ("urdf",) else value), dotted(keys)
 
 
 def as_lists(value):

@@ -5,8 +5,8 @@ import pytest
 from nbformat.v4 import new_code_cell, new_markdown_cell, new_notebook
 
 from stepover.errors import InvalidInput
-from stepover.report import reproduce as module
-from stepover.report.reproduce import NotebookFailed, find_notebooks, parameter_value, reproduce
+from stepover.reproduction import run as module
+from stepover.reproduction.run import NotebookFailed, find_notebooks, parameter_value, reproduce
 
 PARAMETERS = 'height = 0.15  # m\nsteps = 7\nrobot = "hrp2"\noutput = "."\nquick = False'
 DRAW = 'from pathlib import Path\n\nPath(output, "drawn.txt").write_text(f"{height} {steps} {robot} {quick}")'

@@ -18,7 +18,7 @@ import pytest
 from conftest import HRP2, random_q
 
 from stepover import InvalidInput, load_robot
-from stepover.model.robot import data_folder
+from stepover.locations import data_folder
 
 URDF = ElementTree.parse(HRP2 / "hrp2.urdf").getroot()
 LINKS = {link.get("name"): link for link in URDF.iter("link")}
@@ -440,7 +440,7 @@ def test_data_is_found_in_an_installed_package(tmp_path):
     package = tmp_path / "site" / "stepover"
     shutil.copytree(data_folder().parent / "stepover", package, ignore=shutil.ignore_patterns("__pycache__"))
     shutil.copytree(data_folder(), package / "data")
-    code = "import json, stepover as s; print(json.dumps([s.__file__, str(s.load_robot('hrp2').folder)]))"
+    code = "import json, stepover as s; print(json.dumps([s.__file__, str(s.load_robot('hrp2').urdf_path.parent)]))"
     found = subprocess.run(
         [sys.executable, "-c", code], env={"PYTHONPATH": str(package.parent)}, cwd=tmp_path,
         capture_output=True, text=True, check=True,

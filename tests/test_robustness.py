@@ -21,21 +21,24 @@ from scipy import stats
 
 from stepover.cli import main
 from stepover.errors import Infeasible, InvalidInput
-from stepover.motion import Motion
-from stepover.report import figures, robustness, studies
-from stepover.report.agreement import NEARLY, NO, YES
-from stepover.report.draws import RANGES, draw
+from stepover.motion.motion import Motion
+from stepover.report import figures
 from stepover.report.figures.robustness import most_influential
-from stepover.report.robustness import Outcome, again, points, read_table, require_current, study
-from stepover.report.robustness_tables import (
+from stepover.report.tables.robustness import (
     agreement_table,
     failures_table,
     influence_table,
     nearness_table,
     rates_table,
 )
-from stepover.report.studies import run_study
-from stepover.report.success_rates import (
+from stepover.simulation.disturbances import Disturbances
+from stepover.studies import robustness
+from stepover.studies import study as studies
+from stepover.studies.agreement import NEARLY, NO, YES
+from stepover.studies.draws import RANGES, draw
+from stepover.studies.robustness import Outcome, again, points, read_table, require_current, study
+from stepover.studies.study import run_study
+from stepover.studies.success_rates import (
     MEASURES,
     Rate,
     binned,
@@ -45,7 +48,6 @@ from stepover.report.success_rates import (
     rate,
     study_to_json,
 )
-from stepover.simulation.disturbances import Disturbances
 
 SCRIPT = Path(__file__).parent / "faked_simulation.py"
 
@@ -420,7 +422,7 @@ class TestCommand:
         result = self.call("study", "m.npz", "--robot", robot, "--runs", 1, "--jobs", 1, "--output", "t.csv")
         assert result.exit_code == 0, result.output
         assert {row.robot for row in read_table(Path("t.csv"))} == {robot}
-        assert {how["robot"].folder for how in quick} == {HRP2}
+        assert {how["robot"].urdf_path.parent for how in quick} == {HRP2}
 
     @pytest.mark.parametrize(
         ("arguments", "words"),
@@ -457,7 +459,7 @@ class TestCommand:
         def refuse(*_):
             raise Infeasible("too high")
 
-        monkeypatch.setattr("stepover.planner.plan", refuse)
+        monkeypatch.setattr("stepover.planning.algorithm_1.planner.plan", refuse)
         result = self.call("study", "--height", "0.6", "--width", "0.1", "--output", "t.csv")
         assert result.exit_code == 3
         assert os.listdir() == ["m.npz"]

@@ -12,14 +12,15 @@ import pytest
 from still import samples_of, standing
 
 from stepover.errors import InvalidInput
-from stepover.model.robot import Robot, load_robot
-from stepover.motion import Motion
-from stepover.simulation.description import BUSH, Description
+from stepover.model.robot import Robot
+from stepover.motion.motion import Motion
+from stepover.robots.loading import load_robot
 from stepover.simulation.motors import straight_course
+from stepover.simulation.pybullet.description import BUSH, Description
+from stepover.simulation.pybullet.world import World, pybullet
 from stepover.simulation.run import simulate
 from stepover.simulation.servos import Servos, springs
 from stepover.simulation.soles import plate, with_plate_shapes, with_plates
-from stepover.simulation.world import World, pybullet
 
 DT = 0.001
 

@@ -15,11 +15,11 @@ import pytest
 from stepover.errors import InvalidInput
 from stepover.model import pose
 from stepover.model.robot import Robot
-from stepover.motion import Motion
+from stepover.motion.motion import Motion
 from stepover.simulation.measurements import Run, Series
+from stepover.simulation.pybullet.video import frames, record
+from stepover.simulation.pybullet.world import World, pybullet
 from stepover.simulation.run import simulate
-from stepover.simulation.video import frames, record
-from stepover.simulation.world import World, pybullet
 
 PROMISED = [
     "fell", "fall_time", "fall_reason", "obstacle_contacts", "clearance_min", "clearance_link", "zmp_rms",
@@ -254,7 +254,7 @@ def test_nothing_is_printed(tmp_path: Path, standing: Motion) -> None:
     standing.save(tmp_path / "m.npz")
     code = f"""
 from stepover import Motion, simulate
-from stepover.simulation.video import frames
+from stepover.simulation.pybullet.video import frames
 motion = Motion.load({str(tmp_path / "m.npz")!r})
 frames(simulate(motion), [0.0], (64, 48))
 """

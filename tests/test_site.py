@@ -13,11 +13,12 @@ import nbformat
 import pytest
 from nbformat.v4 import new_code_cell, new_output
 
-from stepover.report import site
-from stepover.report.reproduce import NotebookFailed, checkout
-from stepover.report.site_links import faults
-from stepover.report.site_pages import WIDGET, claims_page, contents
-from stepover.report.verdicts import read_entries
+from stepover.locations import checkout
+from stepover.reproduction.run import NotebookFailed
+from stepover.reproduction.verdicts import read_entries
+from tools import site
+from tools.site_links import faults
+from tools.site_pages import WIDGET, claims_page, contents
 
 TOP = checkout()
 PIXEL = "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg=="
@@ -99,7 +100,7 @@ class TestSite:
 
     def test_a_link_to_a_module_opens_its_reference(self, built):
         page = (built / "notebooks" / "tour.html").read_text()
-        assert '"../api/stepover.units.html#module-stepover.units.feet_adaptor"' in page
+        assert '"../api/stepover.planning.algorithm_1.html#module-stepover.planning.algorithm_1.feet_adaptor"' in page
 
     def test_nothing_is_left_beside_it(self, built):
         assert not built.with_name("site.part").exists()
@@ -217,9 +218,9 @@ class TestPages:
 class TestStale:
     @pytest.fixture
     def top(self, tmp_path):
-        for name in ("stepover/cli", "stepover/report", "data", "figures", "notebooks", "build/notebooks"):
+        for name in ("stepover/cli", "stepover/motion", "tools", "data", "figures", "notebooks", "build/notebooks"):
             (tmp_path / name).mkdir(parents=True)
-        for name in ("stepover/planner.py", "stepover/cli/plan.py", "stepover/report/site.py", "data/robot.toml",
+        for name in ("stepover/motion/motion.py", "stepover/cli/plan.py", "tools/site.py", "data/robot.toml",
                      "data/README.md", "figures/table.csv", "figures/claims.json", "notebooks/a.ipynb"):  # fmt: skip
             (tmp_path / name).touch()
             os.utime(tmp_path / name, (100, 100))
@@ -237,13 +238,14 @@ class TestStale:
         assert site.stale(top, top / "notebooks" / "a.ipynb") == ""
 
     @pytest.mark.parametrize(
-        "newer", ["notebooks/a.ipynb", "stepover/planner.py", "data/robot.toml", "figures/table.csv"]
+        "newer",
+        ["notebooks/a.ipynb", "stepover/motion/motion.py", "data/robot.toml", "figures/table.csv"],
     )
     def test_not_one_that_is_older_than_what_it_shows(self, top, newer):
         os.utime(top / newer, (300, 300))
         assert site.stale(top, top / "notebooks" / "a.ipynb") == f"is older than {newer}"
 
-    @pytest.mark.parametrize("newer", ["stepover/cli/plan.py", "stepover/report/site.py", "data/README.md",
+    @pytest.mark.parametrize("newer", ["stepover/cli/plan.py", "tools/site.py", "data/README.md",
                                        "figures/claims.json"])  # fmt: skip
     def test_what_it_does_not_show_does_not_matter(self, top, newer):
         os.utime(top / newer, (300, 300))

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from stepover import Infeasible, InvalidInput, Obstacle, load_robot, plan, simulate
-from stepover.planner import plan_in_detail
-from stepover.units.beyond_paper import extra_zmp, waist_delay
-from stepover.units.com_waist import com_and_waist
-from stepover.units.step_sequence import LEG_2, step_sequence
-from stepover.verdict import measure, require, require_speeds
+from stepover.planning.algorithm_1.beyond_paper import extra_zmp, waist_delay
+from stepover.planning.algorithm_1.com_waist import com_and_waist
+from stepover.planning.algorithm_1.planner import plan_in_detail
+from stepover.planning.algorithm_1.step_sequence import LEG_2, step_sequence
+from stepover.planning.checks import measure, require, require_speeds
 
 HEIGHTS = (0.15, 0.20, 0.22, 0.24, 0.25)
 

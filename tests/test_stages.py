@@ -5,10 +5,10 @@ import re
 import numpy as np
 import pytest
 
+from stepover.analysis import limits, stages
 from stepover.model.obstacle import Obstacle
-from stepover.planner import plan_in_detail
-from stepover.report import limits, stages
-from stepover.units.step_sequence import LEG_1, LEG_2
+from stepover.planning.algorithm_1.planner import plan_in_detail
+from stepover.planning.algorithm_1.step_sequence import LEG_1, LEG_2
 
 
 @pytest.fixture(scope="module")

@@ -10,8 +10,8 @@ import pytest
 
 from stepover import Infeasible
 from stepover.model.support import zmp_margin
-from stepover.planner import plan_in_detail
-from stepover.units.step_sequence import AFTER, BEFORE, LEG_1, LEG_2, NORMAL, step_sequence
+from stepover.planning.algorithm_1.planner import plan_in_detail
+from stepover.planning.algorithm_1.step_sequence import AFTER, BEFORE, LEG_1, LEG_2, NORMAL, step_sequence
 
 REST = np.array([0.01, 0.002])
 

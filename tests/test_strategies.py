@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from stepover.quasi_static import quasi_static_in_detail
-from stepover.report.strategies import compared, moments, paper_marks, spans, strategy
-from stepover.verdict import measure
+from stepover.analysis.strategies import compared, moments, paper_marks, spans, strategy
+from stepover.planning.checks import measure
+from stepover.planning.quasi_static.planner import quasi_static_in_detail
 
 
 @pytest.fixture(scope="module")

@@ -6,10 +6,11 @@ import dataclasses
 
 import pytest
 
-from stepover.report import strategy_study
-from stepover.report.agreement import NEARLY, NO, YES
-from stepover.report.strategy_study import EPSILON, HEIGHT, QUICK, WIDTH, Crossed, Point, again, by_height, over, reach
-from stepover.report.studies import write_rows
+from stepover.report.tables.strategies import reach
+from stepover.studies import strategies as strategy_study
+from stepover.studies.agreement import NEARLY, NO, YES
+from stepover.studies.strategies import EPSILON, HEIGHT, QUICK, WIDTH, Crossed, Point, again, by_height, over
+from stepover.studies.study import write_rows
 
 SAMPLE = (
     Point(HEIGHT, epsilon=EPSILON), Point(HEIGHT, epsilon=QUICK), Point(0.18, epsilon=EPSILON),

@@ -5,11 +5,12 @@ import shutil
 import pytest
 
 from stepover.errors import InvalidInput
-from stepover.report import plane, studies
-from stepover.report.agreement import YES
-from stepover.report.plane import at, read_table, study
-from stepover.report.studies import fingerprint, run_study, write_rows
-from stepover.report.sweep import Crossing, Point
+from stepover.studies import obstacle_plane as plane
+from stepover.studies import study as studies
+from stepover.studies.agreement import YES
+from stepover.studies.obstacle_plane import at, read_table, study
+from stepover.studies.study import fingerprint, run_study, write_rows
+from stepover.studies.sweep import Crossing, Point
 
 POINTS = [Point(0.10, 0.02, physics=False), Point(0.30, 0.25, physics=False)]
 

@@ -15,8 +15,9 @@ from click.testing import CliRunner
 from stepover import __version__
 from stepover.cli import main
 from stepover.errors import InvalidInput
-from stepover.report import studies, sweep
-from stepover.report.sweep import Crossing, Point, cross, summary, summary_lines
+from stepover.studies import study as studies
+from stepover.studies import sweep
+from stepover.studies.sweep import Crossing, Point, cross, summary, summary_lines
 
 GRID = ["--heights", "0.05:0.1:0.05", "--widths", "0.05,0.3"]
 JSON_KEYS = {

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from stepover import Obstacle, plan
-from stepover.report import trial_tables, trials
-from stepover.report.trials import DISTURBED, HEIGHTS, UNDISTURBED, Outcome, Trial
+from stepover.report.tables import trials as trial_tables
 from stepover.simulation.disturbances import Disturbances
+from stepover.studies import trials
+from stepover.studies.trials import DISTURBED, HEIGHTS, UNDISTURBED, Outcome, Trial
 
 
 @pytest.fixture(scope="module")

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from stepover.model.obstacle import Obstacle
-from stepover.planner import plan_in_detail
-from stepover.units.com_waist import com_and_waist
-from stepover.units.dynamic_filter import filtered_waist
-from stepover.units.feasibility import key_configurations
-from stepover.units.feet_trajectories import feet_trajectories
-from stepover.units.step_sequence import LEG_1, LEG_2, step_sequence
-from stepover.units.upper_body import arm_response, upper_body, with_arms
+from stepover.planning.algorithm_1.com_waist import com_and_waist
+from stepover.planning.algorithm_1.dynamic_filter import filtered_waist
+from stepover.planning.algorithm_1.feasibility import key_configurations
+from stepover.planning.algorithm_1.feet_trajectories import feet_trajectories
+from stepover.planning.algorithm_1.planner import plan_in_detail
+from stepover.planning.algorithm_1.step_sequence import LEG_1, LEG_2, step_sequence
+from stepover.planning.algorithm_1.upper_body import arm_response, upper_body, with_arms
 
 
 @pytest.fixture(scope="module")

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from stepover import Infeasible, Obstacle
-from stepover.verdict import measure, require
+from stepover.planning.checks import measure, require
 
 
 def tampered(motion, **arrays):

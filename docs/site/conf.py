@@ -1,4 +1,4 @@
-"""How Sphinx renders the site of `make site`, whose pages stepover/report/site.py lays out. All of it works offline."""
+"""How Sphinx renders the site of `make site`, whose pages tools/site.py lays out. All of it works offline."""
 
 from __future__ import annotations
 

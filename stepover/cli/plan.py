@@ -38,9 +38,9 @@ def plan(
     Example: python -m stepover plan --height 0.15 --width 0.05 --output motion.npz
     """
     from stepover.model.obstacle import Obstacle
-    from stepover.model.robot import load_robot
-    from stepover.planner import plan_in_detail
+    from stepover.planning.algorithm_1.planner import plan_in_detail
     from stepover.report import summary
+    from stepover.robots.loading import load_robot
 
     model, obstacle = load_robot(robot), Obstacle(height, width, margin_height, margin_width, distance)
     with progress("not this one; looking for the nearest that can be stepped over") as advance:

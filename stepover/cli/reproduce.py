@@ -24,9 +24,9 @@ def reproduce(only: str | None, parameters: dict[str, str]) -> None:
 
     Example: python -m stepover reproduce --only stepover_15cm -p height=0.1
     """
-    from stepover.report.reproduce import checkout
-    from stepover.report.reproduce import reproduce as run_notebooks
-    from stepover.report.verdicts import read_entries, tally
+    from stepover.locations import checkout
+    from stepover.reproduction.run import reproduce as run_notebooks
+    from stepover.reproduction.verdicts import read_entries, tally
 
     top = checkout()
     written = run_notebooks(top, only, parameters)

@@ -55,9 +55,9 @@ def simulate(
 
     Example: python -m stepover simulate motion.npz --video motion.mp4
     """
-    from stepover.model.robot import load_robot
-    from stepover.motion import Motion
+    from stepover.motion.motion import Motion
     from stepover.report import summary
+    from stepover.robots.loading import load_robot
     from stepover.simulation.run import simulate as run_simulation
 
     disturbances = {name: _number(name, text) for name, text in perturb.items()} or None
@@ -67,7 +67,7 @@ def simulate(
         planned, actuators=actuators, sole=sole, stabilizer=stabilizer, perturb=disturbances, robot=model
     )
     if video is not None:
-        from stepover.simulation.video import record
+        from stepover.simulation.pybullet.video import record
 
         with progress("filming") as advance:
             record(run, video, robot=model, progress=advance)

@@ -56,8 +56,9 @@ def study(
     Example: python -m stepover study motion.npz --runs 50 --output table.csv --picture table.png
     """
     one_thread_a_process()
-    from stepover.motion import Motion
-    from stepover.report import robustness, success_rates, summary
+    from stepover.motion.motion import Motion
+    from stepover.report import summary
+    from stepover.studies import robustness, success_rates
 
     if motion is not None and (height is not None or width is not None):
         raise InvalidInput("give either a motion or --height and --width, not both")

@@ -60,8 +60,9 @@ def sweep(
         raise InvalidInput("give either a list of obstacles or --heights and --widths, not both")
     if jobs is not None and dask is not None:
         raise InvalidInput("give either --jobs or --dask: the cluster has its own number of workers")
-    from stepover.report import obstacle_list, summary
-    from stepover.report import sweep as sweeping
+    from stepover.report import summary
+    from stepover.studies import obstacle_list
+    from stepover.studies import sweep as sweeping
 
     if obstacles is not None:
         sizes = obstacle_list.read_list(Path(obstacles))

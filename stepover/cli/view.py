@@ -22,9 +22,9 @@ def view(motion: str, output: Path, time: float | None, robot: str | None) -> No
 
     Example: python -m stepover view motion.npz --output motion.html
     """
-    from stepover.model.robot import load_robot
-    from stepover.motion import Motion
+    from stepover.motion.motion import Motion
     from stepover.report.viewer import save_page
+    from stepover.robots.loading import load_robot
 
     planned = Motion.load(motion)
     save_page(load_robot(robot or planned.robot), planned, output, time)

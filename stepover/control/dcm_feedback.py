@@ -16,7 +16,7 @@ from stepover.control.force_distribution import Distribution, distribute
 from stepover.control.reference import Reference
 from stepover.control.support_region import patch, regions
 from stepover.model.robot import Robot
-from stepover.motion import Motion
+from stepover.motion.motion import Motion
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,9 +14,9 @@ import numpy as np
 
 from stepover.control.reference import Reference
 from stepover.control.sensors import Sensed
+from stepover.model.gravity import GRAVITY
 from stepover.model.instant import Instant
 from stepover.model.robot import Robot
-from stepover.units.preview_control import GRAVITY
 
 SIDES = (1, -1)
 UP = np.array([0.0, 0.0, 1.0])

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from stepover.model import pose
+from stepover.model.gravity import GRAVITY
 from stepover.model.robot import Robot
-from stepover.motion import Motion
-from stepover.units.preview_control import GRAVITY
+from stepover.motion.motion import Motion
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,7 +17,7 @@ from stepover.control.reference import reference
 from stepover.control.sensors import Sensed
 from stepover.control.waist_control import WaistControl
 from stepover.model.robot import Robot
-from stepover.motion import Motion
+from stepover.motion.motion import Motion
 
 
 class Stabilizer:

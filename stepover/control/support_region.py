@@ -10,7 +10,7 @@ from scipy.spatial import ConvexHull
 
 from stepover.model import pose
 from stepover.model.robot import Robot
-from stepover.motion import Motion
+from stepover.motion.motion import Motion
 
 
 @dataclass(frozen=True, eq=False)

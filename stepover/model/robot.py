@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from types import MappingProxyType
-from typing import Any, get_type_hints
+from typing import Any
 
 import numpy as np
 
-from stepover.errors import InvalidInput
 from stepover.model.body import Body
 from stepover.model.collision import Shape, shapes_of
-from stepover.model.control_parameters import Stabilization
-from stepover.model.files import data_folder, find_urdf
 from stepover.model.legs import Leg
-from stepover.model.parameters import (
+from stepover.model.parameters.physics import Servo, Simulation, SoleRubber
+from stepover.model.parameters.planning import (
     Adaptor,
     Beyond,
     Feasibility,
@@ -33,9 +29,7 @@ from stepover.model.parameters import (
     Verdict,
     Walk,
 )
-from stepover.model.physics_parameters import Servo, Simulation, SoleRubber
-from stepover.model.reading import read_section
-from stepover.model.robot_checks import require_agreement
+from stepover.model.parameters.stabilizer import Stabilization
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,8 +38,7 @@ class Robot:
 
     Attributes:
         name: as it goes into a motion.
-        folder: where robot.toml lies; the URDF is relative to it.
-        urdf: file name of the URDF, or package://NAME/... for one in an installed Python package.
+        urdf_path: where its URDF is.
         root: name of the root link, the waist.
         legs, foot, outline, posture, upper_body, walk, feasibility, stepping_over, preview, adaptor, beyond_paper,
             verdict, quasi_static, simulation, servo, sole, stabilizer: the tables of robot.toml, each a dataclass of
@@ -54,8 +47,7 @@ class Robot:
     """
 
     name: str
-    folder: Path
-    urdf: str
+    urdf_path: Path
     root: str
     legs: Legs
     foot: Foot
@@ -75,15 +67,6 @@ class Robot:
     sole: SoleRubber
     stabilizer: Stabilization
     slow: Mapping[str, Any]
-
-    def __post_init__(self) -> None:
-        """Read the URDF, and refuse joints and links that it lacks."""
-        require_agreement(self)
-
-    @cached_property
-    def urdf_path(self) -> Path:
-        """Where the URDF is."""
-        return find_urdf(self.urdf, self.folder)
 
     @cached_property
     def body(self) -> Body:
@@ -157,66 +140,3 @@ class Robot:
         x_back, x_front = self.foot.contact_x
         y_low, y_high = sorted(-side * y for y in self.foot.contact_y)
         return np.array([[x_back, y_low], [x_front, y_low], [x_front, y_high], [x_back, y_high]])
-
-
-def load_robot(robot: str | Path) -> Robot:
-    """Load a robot by name (a folder under data/) or by the path of a robot.toml.
-
-    Raises:
-        InvalidInput: unknown name, unreadable file, a key that is missing or makes no sense, a joint or link
-            that the URDF lacks. The message names it.
-    """
-    path = Path(robot)
-    if path.suffix != ".toml":
-        known = sorted(file.parent.name for file in data_folder().glob("*/robot.toml"))
-        if str(robot) not in known:
-            inside = f", such as {path / 'robot.toml'}" if (path / "robot.toml").is_file() else ""
-            raise InvalidInput(
-                f"unknown robot {str(robot)!r}: known are {', '.join(known)}, or give a path to a robot.toml{inside}"
-            )
-        path = data_folder() / str(robot) / "robot.toml"
-    try:
-        table = tomllib.loads(path.read_text())
-    except OSError as error:
-        raise InvalidInput(f"{path} cannot be read: {error.strerror}") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InvalidInput(f"{path} is not valid TOML: {error}") from error
-    try:
-        return Robot(folder=path.parent.resolve(), **_read(table))
-    except InvalidInput as error:
-        raise InvalidInput(f"{path}: {error}") from error
-
-
-def _read(table: dict[str, Any]) -> dict[str, Any]:
-    """Check the top level of robot.toml and each of its tables."""
-    hints = {name: hint for name, hint in get_type_hints(Robot).items() if name != "folder"}
-    names = [field.name for field in fields(Robot) if field.name != "folder"]
-    for key in names:
-        if key not in table:
-            raise InvalidInput(f"lacks the {'key' if hints[key] is str else 'table'} {key!r}")
-    for key in table:
-        if key not in names:
-            raise InvalidInput(f"has an unknown key {key!r}; known are {', '.join(names)}")
-    texts = {key: table[key] for key in names if hints[key] is str}
-    sections = [key for key in names if key not in texts and key != "slow"]
-    for key, text in texts.items():
-        if not isinstance(text, str) or not text:
-            raise InvalidInput(f"{key} = {text!r} must be a name")
-    whole = {key: read_section(hints[key], table[key], key) for key in sections}
-    slow = {
-        key: read_section(hints[key], table[key] | part, f"slow.{key}")
-        for key, part in _changes(table["slow"], sections).items()
-    }
-    return texts | whole | {"slow": MappingProxyType(slow)}
-
-
-def _changes(slow: Any, sections: list[str]) -> dict[str, dict[str, Any]]:
-    """The tables under slow, each named as the one that it changes."""
-    if not isinstance(slow, dict):
-        raise InvalidInput("slow must be a table")
-    for key, part in slow.items():
-        if key not in sections:
-            raise InvalidInput(f"slow has an unknown key {key!r}; known are {', '.join(sections)}")
-        if not isinstance(part, dict):
-            raise InvalidInput(f"slow.{key} must be a table")
-    return slow

@@ -13,11 +13,11 @@ import ipywidgets as widgets
 from IPython.display import DisplayHandle, Image, display
 from matplotlib.figure import Figure
 
+from stepover.analysis.planar.feasibility_domain import Reading, feasibility_domains
 from stepover.errors import Infeasible
-from stepover.model.feasibility_domain import Reading, feasibility_domains
 from stepover.model.obstacle import Obstacle
 from stepover.model.robot import Robot
-from stepover.planner import plan_in_detail
+from stepover.planning.algorithm_1.planner import plan_in_detail
 from stepover.report.figures.crossing import crossing, refused
 from stepover.report.figures.feasibility import domains_overlaid
 

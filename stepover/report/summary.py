@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 from stepover.model.obstacle import Obstacle
 from stepover.model.robot import Robot
-from stepover.planned import Plan
-from stepover.verdict import measure
+from stepover.planning.algorithm_1.planned import Plan
+from stepover.planning.checks import measure
 
 if TYPE_CHECKING:
     from stepover.simulation.measurements import Run

@@ -23,7 +23,8 @@ from scipy.spatial import ConvexHull
 
 from stepover.errors import InvalidInput
 from stepover.model.robot import Robot
-from stepover.motion import Motion, write_whole
+from stepover.motion.motion import Motion
+from stepover.output import write_whole
 from stepover.report import viewer_page
 from stepover.report import viewer_scene as scene
 from stepover.report.figures.film import PHASES

@@ -14,7 +14,7 @@ import numpy as np
 from stepover.model import pose
 from stepover.model.robot import Robot
 from stepover.model.support import corners_on_floor
-from stepover.motion import Motion
+from stepover.motion.motion import Motion
 from stepover.report.figures.style import FIRST_STAGE, LEFT, OBSTACLE, PLANNED, RIGHT
 
 RATE = 50.0

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from stepover.errors import InvalidInput
-from stepover.motion import Motion
-from stepover.units.preview_control import GRAVITY
+from stepover.model.gravity import GRAVITY
+from stepover.motion.motion import Motion
 
 GROUND_RANGE = (-0.05, 0.05)
 """m: of the floor's height under a foothold."""

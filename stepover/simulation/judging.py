@@ -8,14 +8,14 @@ import numpy as np
 
 from stepover.model import pose
 from stepover.model.collision import Shape, clearance, separation
+from stepover.model.gravity import GRAVITY
 from stepover.model.kinematics import Placements
 from stepover.model.robot import Robot
 from stepover.model.support import zmp_margin
-from stepover.motion import Motion
+from stepover.motion.motion import Motion
 from stepover.simulation.measurements import Run, Series
 from stepover.simulation.recording import Recording
 from stepover.simulation.soles import plate, with_plate_shapes, with_plates
-from stepover.units.preview_control import GRAVITY
 
 PHASES = ("walking", "phase 1, leg 1 over the obstacle", "phase 2, both feet down", "phase 3, leg 2 over the obstacle")
 """The phases of Sec. II, as an explanation names them."""

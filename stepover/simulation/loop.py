@@ -9,14 +9,14 @@ import numpy as np
 
 from stepover.control.stabilizer import Stabilizer
 from stepover.model.robot import Robot
-from stepover.motion import Motion
+from stepover.motion.motion import Motion
 from stepover.simulation.disturbances import Disturbances
 from stepover.simulation.motors import Course, IdealMotors, Motors, planned_course, steps_a_sample, straight_course
+from stepover.simulation.pybullet.world import World
 from stepover.simulation.recording import Recording, has_fallen
 from stepover.simulation.sensing import Senses
 from stepover.simulation.servos import Servos
 from stepover.simulation.touch import NOTHING, Touch
-from stepover.simulation.world import World
 
 
 class Guide(Protocol):

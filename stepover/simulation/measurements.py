@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from stepover.motion import Motion
+from stepover.motion.motion import Motion
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,9 +9,9 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from stepover.errors import InvalidInput
-from stepover.model.physics_parameters import Simulation
-from stepover.motion import Motion
-from stepover.simulation.world import World
+from stepover.model.parameters.physics import Simulation
+from stepover.motion.motion import Motion
+from stepover.simulation.pybullet.world import World
 
 
 @dataclass(frozen=True, eq=False)

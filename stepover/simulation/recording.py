@@ -7,10 +7,10 @@ import math
 
 import numpy as np
 
-from stepover.model.physics_parameters import Simulation
+from stepover.model.parameters.physics import Simulation
 from stepover.model.pose import axes
+from stepover.simulation.pybullet.world import World
 from stepover.simulation.touch import Touch
-from stepover.simulation.world import World
 
 
 class Recording:

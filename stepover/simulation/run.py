@@ -7,13 +7,14 @@ from collections.abc import Callable, Mapping
 
 from stepover.errors import InvalidInput, require_type
 from stepover.model.obstacle import Obstacle
-from stepover.model.robot import Robot, load_robot
-from stepover.motion import Motion
+from stepover.model.robot import Robot
+from stepover.motion.motion import Motion
+from stepover.robots.loading import load_robot
 from stepover.simulation.disturbances import Disturbances
 from stepover.simulation.judging import measured
 from stepover.simulation.loop import carry_out
 from stepover.simulation.measurements import Run
-from stepover.simulation.world import World
+from stepover.simulation.pybullet.world import World
 
 AVAILABLE: dict[str, tuple[object, ...]] = {
     "actuators": ("ideal", "limited"), "sole": ("rigid", "compliant"), "stabilizer": (False, True),

@@ -8,8 +8,8 @@ from stepover.control.sensors import Sensed
 from stepover.model.pose import Rotation, cross, product, unit
 from stepover.model.robot import Robot
 from stepover.simulation.disturbances import Disturbances
+from stepover.simulation.pybullet.world import World
 from stepover.simulation.touch import Touch
-from stepover.simulation.world import World
 
 STILL = Rotation.identity()
 """No noise of the attitude."""

@@ -13,9 +13,9 @@ import numpy as np
 
 from stepover.model.implicit import Prediction
 from stepover.model.robot import Robot
-from stepover.simulation.description import BUSH
 from stepover.simulation.motors import Course
-from stepover.simulation.world import World
+from stepover.simulation.pybullet.description import BUSH
+from stepover.simulation.pybullet.world import World
 
 STIFFER = 10.0
 """Ideal motors on rubber are servos so many times as stiff, without limits: PyBullet's own position control lets two

@@ -9,7 +9,7 @@ import numpy as np
 from stepover.model.collision import Shape
 from stepover.model.kinematics import Placements, axis_rotation
 from stepover.model.robot import Robot
-from stepover.simulation.description import NEAR_SOLE
+from stepover.simulation.pybullet.description import NEAR_SOLE
 
 SIDES = (1, -1)
 

@@ -6,10 +6,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from stepover.analysis.stages import Stage, lead_knee, postures
 from stepover.model.kinematics import Placements
 from stepover.model.obstacle import Obstacle
 from stepover.model.robot import Robot
-from stepover.planned import Plan
+from stepover.planning.algorithm_1.planned import Plan
+from stepover.planning.algorithm_1.step_sequence import LEG_1, LEG_2
 from stepover.report.figures.style import (
     FIRST_STAGE,
     LEFT,
@@ -24,8 +26,6 @@ from stepover.report.figures.style import (
     shade_phases,
     styled,
 )
-from stepover.report.stages import Stage, lead_knee, postures
-from stepover.units.step_sequence import LEG_1, LEG_2
 
 STICK_EVERY = 0.1
 """Time between two sticks of Fig. 5 [s]."""

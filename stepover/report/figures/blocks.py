@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import FancyBboxPatch
 
-from stepover.report.algorithm import INPUT, OUTPUT, Block, Diagram
+from stepover.analysis.block_diagram import INPUT, OUTPUT, Block, Diagram
 from stepover.report.figures.style import OBSTACLE, PLANNED, REFERENCE, SIMULATED, panels, styled
 
 KEY, STEPS, ZMP = r"$X_{ads}, X_{hds}, Z_{hds}$", "steps", r"$ZMP_{des}(t)$"

@@ -11,7 +11,9 @@ from matplotlib.figure import Figure
 
 from stepover.model.obstacle import Obstacle
 from stepover.model.robot import Robot
-from stepover.planned import Plan
+from stepover.planning.algorithm_1.planned import Plan
+from stepover.planning.algorithm_1.step_sequence import LEG_1, LEG_2
+from stepover.planning.checks import Measures, measure
 from stepover.report.figures.adapted import draw_obstacle, leg_links
 from stepover.report.figures.planned import support_span
 from stepover.report.figures.simulated import EVERY, SHOWN, clearance_over_time
@@ -28,8 +30,6 @@ from stepover.report.figures.style import (
     shade_phases,
     styled,
 )
-from stepover.units.step_sequence import LEG_1, LEG_2
-from stepover.verdict import Measures, measure
 
 HEIGHT = 4.1
 """Of either picture [in]."""

@@ -12,10 +12,12 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from stepover.model.domains import Domains
+from stepover.analysis.key_domain import KeyGrid, first_found
+from stepover.analysis.planar.biped import leg_lines, planar_biped, planar_leg
+from stepover.analysis.planar.domains import Domains
 from stepover.model.obstacle import Obstacle
-from stepover.model.planar_biped import leg_lines, planar_biped, planar_leg
 from stepover.model.robot import Robot
+from stepover.planning.algorithm_1.feasibility import KeyConfiguration
 from stepover.report.figures.style import (
     FIRST_STAGE,
     LEFT,
@@ -29,8 +31,6 @@ from stepover.report.figures.style import (
     panels,
     styled,
 )
-from stepover.report.key_domain import KeyGrid, first_found
-from stepover.units.feasibility import KeyConfiguration
 
 FEASIBLE, INFEASIBLE = SIMULATED, RIGHT
 """The paper's red and blue, in shades that differ in lightness too."""

@@ -9,7 +9,8 @@ from pathlib import Path
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-from stepover.motion import Motion, write_whole
+from stepover.motion.motion import Motion
+from stepover.output import write_whole
 
 RATE = 12.5
 """Pictures a second: a GIF counts in hundredths of a second."""

@@ -9,8 +9,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from stepover.analysis.landing.force import AVERAGED, TOUCH_DOWN, Landing
+from stepover.analysis.landing.settings import NOISY, VARIATIONS
+from stepover.analysis.landing.swings import NAIVE, NEAR_FLOOR, SHAPED, Curves, Profile
+from stepover.model.gravity import GRAVITY
 from stepover.model.robot import Robot
-from stepover.motion import Motion
+from stepover.motion.motion import Motion
 from stepover.report.figures.style import (
     FIRST_STAGE,
     LEFT,
@@ -25,11 +29,7 @@ from stepover.report.figures.style import (
     shade_phases,
     styled,
 )
-from stepover.report.landing import NAIVE, NEAR_FLOOR, SHAPED, Curves, Profile
-from stepover.report.landing_force import AVERAGED, TOUCH_DOWN, Landing
-from stepover.report.landing_settings import NOISY, VARIATIONS
-from stepover.report.landing_study import Landed, Point
-from stepover.units.preview_control import GRAVITY
+from stepover.studies.landing import Landed, Point
 
 COLOURS = (PLANNED, SIMULATED, FIRST_STAGE, WAIST, LEFT)
 """Shaped, naive, and others."""

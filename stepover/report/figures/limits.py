@@ -10,10 +10,10 @@ from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
+from stepover.analysis.stages import Bought
 from stepover.report.figures.style import FIRST_STAGE, OBSTACLE, PLANNED, REFERENCE, SIMULATED, WAIST, panels, styled
-from stepover.report.plane import HEIGHTS, WIDTHS
-from stepover.report.stages import Bought
-from stepover.report.sweep import Crossing
+from stepover.studies.obstacle_plane import HEIGHTS, WIDTHS
+from stepover.studies.sweep import Crossing
 
 METHODS = (
     "FTA: (1) trailing foot held back, (2) waist raised, (3) ankle pushed away; UBMG: arms back.\n"

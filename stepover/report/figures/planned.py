@@ -8,7 +8,8 @@ from matplotlib.figure import Figure
 
 from stepover.model.robot import Robot
 from stepover.model.support import corners_on_floor
-from stepover.motion import Motion
+from stepover.motion.motion import Motion
+from stepover.planning.algorithm_1.preview_control import CartMotion
 from stepover.report.figures.style import (
     AXES,
     FIRST_STAGE,
@@ -25,7 +26,6 @@ from stepover.report.figures.style import (
     styled,
     time_axis,
 )
-from stepover.units.preview_control import CartMotion
 
 
 @styled

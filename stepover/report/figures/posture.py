@@ -7,13 +7,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from scipy.spatial import ConvexHull
 
+from stepover.analysis.key_posture import key_posture, leading_side
 from stepover.model.collision import profile
 from stepover.model.kinematics import Placements
 from stepover.model.obstacle import Obstacle
 from stepover.model.robot import Robot
+from stepover.planning.algorithm_1.feasibility import KeyConfiguration
 from stepover.report.figures.style import LEFT, OBSTACLE, REFERENCE, RIGHT, panels, styled
-from stepover.report.key_posture import key_posture, leading_side
-from stepover.units.feasibility import KeyConfiguration
 
 
 @styled

@@ -9,8 +9,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from stepover.report.figures.style import PLANNED, REFERENCE, SIMULATED, numbered, panels, styled
-from stepover.report.robustness import Outcome
-from stepover.report.success_rates import EQUIPPED, MEASURES, Rate, binned, equipped, influences, rate
+from stepover.studies.robustness import Outcome
+from stepover.studies.success_rates import EQUIPPED, MEASURES, Rate, binned, equipped, influences, rate
 
 COLOURS, MARKERS = {False: SIMULATED, True: PLANNED}, {False: "s", True: "o"}
 BINS = 5

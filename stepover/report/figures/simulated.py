@@ -9,8 +9,9 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from stepover.model.collision import exact_distance, separation
+from stepover.model.gravity import GRAVITY
 from stepover.model.robot import Robot
-from stepover.motion import Motion
+from stepover.motion.motion import Motion
 from stepover.report.figures.style import (
     AXES,
     LEFT,
@@ -27,7 +28,6 @@ from stepover.report.figures.style import (
     time_axis,
 )
 from stepover.simulation.measurements import Run
-from stepover.units.preview_control import GRAVITY
 
 BEFORE_FAILURE, AFTER_FAILURE = 1.0, 0.2
 """What a plot of a failure shows [s]."""

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from stepover.model.robot import Robot
 from stepover.model.support import corners_on_floor
-from stepover.motion import Motion
+from stepover.motion.motion import Motion
 from stepover.report.figures.planned import support_span
 from stepover.report.figures.style import (
     FIRST_STAGE,
@@ -27,7 +27,7 @@ from stepover.report.figures.style import (
     panels,
     styled,
 )
-from stepover.report.strategy_study import Crossed
+from stepover.studies.strategies import Crossed
 
 COM, ZMP = FIRST_STAGE, PLANNED
 AROUND = 0.35

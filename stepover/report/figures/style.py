@@ -13,7 +13,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.transforms import blended_transform_factory
 
-from stepover.motion import Motion, write_whole
+from stepover.motion.motion import Motion
+from stepover.output import write_whole
 
 STYLE = Path(__file__).parents[1] / "paper.mplstyle"
 # The colours of Okabe and Ito, which colour-blind readers tell apart, each with one meaning in all figures.

@@ -20,9 +20,9 @@ from stepover.report.figures.style import (
     styled,
     time_axis,
 )
-from stepover.report.trial_tables import by_height
-from stepover.report.trials import Outcome
+from stepover.report.tables.trials import by_height
 from stepover.simulation.measurements import Run
+from stepover.studies.trials import Outcome
 
 SETTLED = 0.1
 """When the robot has settled on its soles after the start [s]."""

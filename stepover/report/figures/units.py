@@ -5,9 +5,12 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.figure import Figure
 
+from stepover.analysis.key_posture import knees_from_straight
+from stepover.analysis.stages import after_adaptation, lead_knee, lead_leg_stages
 from stepover.model.obstacle import Obstacle
 from stepover.model.robot import Robot
-from stepover.planned import Plan
+from stepover.planning.algorithm_1.planned import Plan
+from stepover.planning.algorithm_1.step_sequence import LEG_1, LEG_2
 from stepover.report.figures.adapted import draw_obstacle
 from stepover.report.figures.style import (
     FIRST_STAGE,
@@ -23,9 +26,6 @@ from stepover.report.figures.style import (
     styled,
     time_axis,
 )
-from stepover.report.key_posture import knees_from_straight
-from stepover.report.stages import after_adaptation, lead_knee, lead_leg_stages
-from stepover.units.step_sequence import LEG_1, LEG_2
 
 SOLE_EVERY = 0.15
 """Time between two soles of a swing [s]."""

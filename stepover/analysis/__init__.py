@@ -1,0 +1,1 @@
+"""What the notebooks compute about the paper: claims in numbers, without plots."""

@@ -1,0 +1,97 @@
+"""A control that stops the descent of leg 1's foot when it meets the floor: what Sec. II-C does not have.
+
+It wraps whatever gives the commands, the stabilizer or the plan itself, and sees no more than they do.
+"""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+
+from stepover.control.estimator import Estimate
+from stepover.control.sensors import Sensed
+from stepover.model.pose import from_matrices
+from stepover.model.robot import Robot
+from stepover.motion.motion import Motion
+from stepover.planning.algorithm_1.step_sequence import LEG_1
+
+THRESHOLD = 50.0
+"""N at which the landing control takes the foot for landed: 9 % of HRP-2's weight."""
+
+
+class Commander(Protocol):
+    """What gives commands once a sample, as the stabilizer does."""
+
+    @property
+    def estimate(self) -> Estimate | None:
+        """Of the robot, where it makes one."""
+
+    def command(self, sample: int, sensed: Sensed) -> np.ndarray:
+        """Joint angles (nq - 7,) [rad] for a sample."""
+
+
+class AsPlanned:
+    """Commands of a motion as it is."""
+
+    estimate: Estimate | None = None
+
+    def __init__(self, motion: Motion) -> None:
+        """Read the motion."""
+        self._joints = motion.q[:, 7:]
+
+    def command(self, sample: int, sensed: Sensed) -> np.ndarray:
+        """Joint angles (nq - 7,) [rad]: nothing is sensed."""
+        return np.asarray(self._joints[sample])
+
+
+class LandingControl:
+    """Stops the descent of leg 1 once its foot bears a load, and then gives the foot back to what it wraps.
+
+    A foot that lands early would go on pushing down until the planned touch-down. From the first reading above the
+    threshold on, the sole is told to stay as high as it was told last, seen from the planned waist; over the double
+    support, before leg 2 lifts off, what this holds back fades linearly.
+
+    Attributes:
+        stopped: sample of the command that was the first to be held, or None.
+    """
+
+    def __init__(self, robot: Robot, motion: Motion, inner: Commander, threshold: float = THRESHOLD) -> None:
+        """Wrap what gives the commands; threshold [N]."""
+        step = motion.footsteps[motion.footsteps[:, 5] == LEG_1][0]
+        self._inner, self._motion, self._threshold, self._side = inner, motion, threshold, int(step[1])
+        self._touch_down = round((step[0] - motion.time[0]) / motion.dt)
+        self._from = (motion.samples(1).start + self._touch_down) // 2
+        self._leg = robot.leg(self._side)
+        self._release = robot.walk.double_support_over / motion.dt
+        self.stopped: int | None = None
+        self._height = float(motion.foot(self._side)[0, 2])
+
+    @property
+    def estimate(self) -> Estimate | None:
+        """Of what is wrapped."""
+        return self._inner.estimate
+
+    def command(self, sample: int, sensed: Sensed) -> np.ndarray:
+        """Joint angles (nq - 7,) [rad] for one sample: those of what is wrapped, with the landing foot held."""
+        joints = np.array(self._inner.command(sample, sensed))
+        columns = np.array(self._leg.columns) - 7
+        waist = self._motion.waist[sample, None]
+        turns, places = self._leg.sole(waist, joints[None, columns])
+        bears = sensed.wrench(self._side)[2] > self._threshold
+        if self.stopped is None and self._from < sample <= self._touch_down and bears:
+            self.stopped = sample
+        elif self.stopped is None:
+            self._height = float(places[0, 2])
+        lift = self.lift(sample, float(places[0, 2]))
+        if lift > 0.0:
+            held = from_matrices(turns, places + np.array([0.0, 0.0, lift]))
+            joints[columns] = self._leg.attempt(waist, held)[0][0]
+        return joints
+
+    def lift(self, sample: int, height: float) -> float:
+        """How far the sole is held above the height that it is told at a sample [m]."""
+        if self.stopped is None:
+            return 0.0
+        left = 1.0 - max(sample - self._touch_down, 0) / self._release
+        return max(self._height - height, 0.0) * max(left, 0.0)

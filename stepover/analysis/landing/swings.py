@@ -1,0 +1,196 @@
+"""Leg 1's swing, shaped and by a fourth-order polynomial, and whole motions with either. Sec. II-C, III-B, Fig. 3.
+
+The paper gives no formula for the polynomial. Here it begins and ends at rest on the floor and is as low as the
+margins allow; the foot goes the same way ahead as in the shaped swing, and stays level. With another swing, inverse
+kinematics and the dynamic filter run anew.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import KroghInterpolator
+
+from stepover.errors import InvalidInput
+from stepover.model.obstacle import Obstacle
+from stepover.model.pose import pose
+from stepover.model.robot import Robot
+from stepover.motion.motion import Motion
+from stepover.planning.algorithm_1.dynamic_filter import filtered_waist
+from stepover.planning.algorithm_1.feet_trajectories import (
+    FeetTrajectories,
+    Swing,
+    clamped_spline,
+    fourth_order,
+    leg_1_heights,
+    swing_of,
+)
+from stepover.planning.algorithm_1.planned import Effort, Plan
+from stepover.planning.algorithm_1.planner import algorithm_1, plan_in_detail, whole_body
+from stepover.planning.algorithm_1.step_sequence import LEG_1, StepSequence
+from stepover.planning.algorithm_1.upper_body import moved
+
+SHAPED, NAIVE, SAME_APEX = "shaped", "naive", "naive, apex of the shaped"
+PROFILES = (SHAPED, NAIVE, SAME_APEX)
+"""Swings of leg 1: clamped spline; fourth order, as low as the margins allow; fourth order, as high as the spline."""
+NEAR_FLOOR = 0.010
+"""m: the height at which the speed of the descent is compared."""
+
+
+@dataclass(frozen=True, eq=False)
+class Profile:
+    """Leg 1's swing over time, n samples from lift-off to touch-down.
+
+    Attributes:
+        name: one of PROFILES.
+        time: (n,) since lift-off [s].
+        height: (n,) of the sole [m].
+        speed: (n,) of the height [m/s].
+        pitch: (n,) toe-down positive [rad].
+    """
+
+    name: str
+    time: np.ndarray
+    height: np.ndarray
+    speed: np.ndarray
+    pitch: np.ndarray
+
+    def speed_near_floor(self, height: float = NEAR_FLOOR) -> float:
+        """Speed of the descent at a height above the floor [m/s], positive downwards."""
+        down = slice(int(self.height.argmax()), None)
+        return float(-np.interp(height, self.height[down][::-1], self.speed[down][::-1]))
+
+
+def planned_in(robot: Robot, obstacle: Obstacle, swing_time: float | None = None) -> Plan:
+    """The plan, or one for the same key configuration whose special steps but for leg 2's take another time.
+
+    Args:
+        robot: the robot.
+        obstacle: the obstacle.
+        swing_time: single support of leg 1 and of the steps before and after [s]; None: the robot's own.
+    """
+    found = plan_in_detail(robot, obstacle, look_for_nearest=False)
+    if swing_time is None or swing_time == robot.walk.single_support_over:
+        return found
+    walk = dataclasses.replace(robot.walk, single_support_over=swing_time)
+    return algorithm_1(dataclasses.replace(robot, walk=walk), obstacle, found.key, Effort(found.effort.arms))
+
+
+def leg_1_swing(robot: Robot, obstacle: Obstacle, sequence: StepSequence, profile: str) -> Swing:
+    """Leg 1's swing in one of the PROFILES.
+
+    Raises:
+        InvalidInput: an unknown profile.
+    """
+    if profile not in PROFILES:
+        raise InvalidInput(f"profile {profile!r} must be one of {', '.join(PROFILES)}")
+    step = sequence.step(LEG_1)
+    shaped = swing_of(robot, obstacle, sequence, step, robot.stepping_over)
+    if profile == SHAPED:
+        return shaped
+    share = np.linspace(0.0, 1.0, len(shaped.z))
+    low = lowest_apex(robot, obstacle, sequence.front_face, shaped.x, share)
+    return fourth_order(shaped, share, low if profile == NAIVE else float(shaped.z.max()))
+
+
+def lowest_apex(robot: Robot, obstacle: Obstacle, front_face: float, x: np.ndarray, share: np.ndarray) -> float:
+    """Least apex of a fourth-order swing that keeps a level sole out of the margins [m].
+
+    Args:
+        robot: the robot.
+        obstacle: the obstacle with its margins.
+        front_face: where it stands [m].
+        x: (n,) of the sole frame [m].
+        share: (n,) of the swing's time.
+    """
+    back, front, _, top = obstacle.profile(front_face, margins=True)
+    above = (x + robot.foot.toe > back + 1e-9) & (x - robot.foot.heel < front - 1e-9)
+    return float((top / (16.0 * share[above] ** 2 * (1.0 - share[above]) ** 2)).max())
+
+
+def profile_of(robot: Robot, obstacle: Obstacle, sequence: StepSequence, name: str) -> Profile:
+    """One of the PROFILES over time."""
+    swing = leg_1_swing(robot, obstacle, sequence, name)
+    time = robot.walk.sample_time * np.arange(len(swing.z))
+    return Profile(name, time, swing.z, np.gradient(swing.z, time, edge_order=2), swing.pitch)
+
+
+def landing_motion(robot: Robot, obstacle: Obstacle, profile: str, swing_time: float | None = None) -> Motion:
+    """The whole motion with one of the PROFILES for leg 1; see planned_in for the swing time.
+
+    Raises:
+        InvalidInput: an unknown profile.
+        Infeasible: the legs do not reach, or the shaped motion in that time breaks a limit.
+    """
+    planned = planned_in(robot, obstacle, swing_time)
+    swing = leg_1_swing(robot, obstacle, planned.sequence, profile)
+    if profile == SHAPED:
+        return planned.motion
+    step = planned.sequence.step(LEG_1)
+    feet = {side: planned.feet.foot(side).copy() for side in (1, -1)}
+    position = np.column_stack([swing.x, swing.y, swing.z])
+    feet[step.side][step.lift_off : step.touch_down + 1] = pose(position, 0.0, swing.pitch)
+    return with_feet(robot, planned, FeetTrajectories(feet[1], feet[-1]))
+
+
+def with_feet(robot: Robot, planned: Plan, feet: FeetTrajectories) -> Motion:
+    """A plan's motion with other feet: steps 4 and 6 of Algorithm 1 anew, with as many passes of the filter.
+
+    The footholds must stay. Where FTA had something to do, it is not done again.
+    """
+    sequence, body, dt = planned.sequence, robot.body, planned.motion.dt
+    waist, upper = moved(planned.first_stage.waist, planned.upper.waist_shift), planned.upper.q
+    zmps = []
+    for _ in range(planned.filter_passes):
+        zmps.append(body.zmp(whole_body(robot, waist, feet, upper, sequence.time), dt))
+        waist = filtered_waist(robot, waist, sequence.zmp, zmps[-1])
+    q = whole_body(robot, waist, feet, upper, sequence.time)
+    return dataclasses.replace(
+        planned.motion, q=q, left_foot=feet.left, right_foot=feet.right, waist=waist,
+        com=body.com(body.placements(q)), zmp_first_stage=zmps[0], zmp=body.zmp(q, dt),
+    )  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class Curves:
+    """Two curves through the control points of leg 1's height, both at rest at their ends.
+
+    Attributes:
+        knots: (K, 2) share of the swing's time, height [m].
+        share: (n,) of the swing's time.
+        spline: (n,) clamped cubic spline [m].
+        polynomial: (n,) of the one polynomial through all control points [m].
+    """
+
+    knots: np.ndarray
+    share: np.ndarray
+    spline: np.ndarray
+    polynomial: np.ndarray
+
+    def overshoot(self, curve: np.ndarray) -> float:
+        """Furthest that a curve (n,) leaves the range of the two control points around it [m]."""
+        after = np.clip(np.searchsorted(self.knots[:, 0], self.share), 1, len(self.knots) - 1)
+        ends = np.sort(np.stack([self.knots[after - 1, 1], self.knots[after, 1]]), axis=0)
+        return float(np.maximum(ends[0] - curve, curve - ends[1]).max())
+
+
+def through_control_points(robot: Robot, obstacle: Obstacle, landing_points: int | None = None) -> Curves:
+    """Spline and polynomial through leg 1's control points: Sec. III-B.
+
+    Args:
+        robot: with the shape of the swing.
+        obstacle: with its height and margin.
+        landing_points: how many control points the landing has; None: the robot's own.
+    """
+    shape = robot.stepping_over
+    if landing_points is not None:
+        shape = dataclasses.replace(shape, landing_points=landing_points)
+    knots = np.array(leg_1_heights(obstacle, shape))
+    share = np.linspace(0.0, 1.0, 2001)
+    nodes = np.concatenate([knots[:1], knots, knots[-1:]])  # an end twice: its value, then its derivative
+    values = nodes[:, 1].copy()
+    values[[1, -1]] = 0.0
+    polynomial = KroghInterpolator(nodes[:, 0], values)(share)
+    return Curves(knots, share, clamped_spline([(float(at), float(z)) for at, z in knots], share), polynomial)

@@ -1,0 +1,70 @@
+"""How high it goes: the highest obstacle that is planned, and joint speeds against their limits. Sec. III, IV.
+
+Heights are found by bisection between one that is possible and one that is not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from stepover.errors import Infeasible
+from stepover.model.obstacle import Obstacle
+from stepover.model.robot import Robot
+from stepover.planning.algorithm_1.planner import plan_in_detail
+from stepover.planning.checks import speed_ratio
+
+
+@dataclass(frozen=True)
+class Speeds:
+    """The fastest joint of a plan.
+
+    Attributes:
+        ratio: largest joint speed over its limit, NaN where there is no plan.
+        joint, time: which joint and when [s].
+        duration: lift-off of leg 1 to touch-down of leg 2 [s].
+        reason: why there is no plan; empty where there is one.
+    """
+
+    ratio: float
+    joint: str
+    time: float
+    duration: float
+    reason: str = ""
+
+
+def highest(possible: Callable[[float], bool], low: float, high: float, resolution: float) -> float:
+    """Highest height [m] that is possible between two, NaN where even the lower one is not."""
+    if not possible(low):
+        return float("nan")
+    while high - low > resolution:
+        middle = (low + high) / 2.0
+        low, high = (middle, high) if possible(middle) else (low, middle)
+    return low
+
+
+def highest_plan(robot: Robot, width: float, *, arms: str, extras: bool, resolution: float) -> float:
+    """Highest obstacle [m] of a width that is planned with these arms, with or without what is beyond the paper."""
+    options = {"arms": arms, "extras": extras, "look_for_nearest": False}
+    return highest(
+        lambda height: _works(plan_in_detail, robot, Obstacle(height, width), **options), 0.1, 0.35, resolution
+    )
+
+
+def speeds(robot: Robot, obstacle: Obstacle, speed_limits: str = "ignore") -> Speeds:
+    """The fastest joint of the plan for an obstacle."""
+    try:
+        motion = plan_in_detail(robot, obstacle, speed_limits=speed_limits, look_for_nearest=False).motion
+    except Infeasible as error:
+        return Speeds(float("nan"), "", float("nan"), float("nan"), error.constraint)
+    lasting = (motion.samples(3).stop - motion.samples(1).start) * motion.dt
+    return Speeds(*speed_ratio(robot, motion), lasting)
+
+
+def _works(attempt: Callable[..., object], *values: object, **options: object) -> bool:
+    """Whether a call is feasible."""
+    try:
+        attempt(*values, **options)
+    except Infeasible:
+        return False
+    return True

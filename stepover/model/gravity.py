@@ -1,0 +1,4 @@
+"""Gravity."""
+
+GRAVITY = 9.81
+"""m/s^2, as in pinocchio's models."""

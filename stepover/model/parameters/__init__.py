@@ -1,0 +1,1 @@
+"""Parameters of a robot, of the planners and of the physics, as frozen dataclasses."""

@@ -1,0 +1,1 @@
+"""The motion: what every planner returns and everything else reads."""

@@ -1,0 +1,1 @@
+"""The quasi-static baseline that the paper compares with. Sec. II-A."""

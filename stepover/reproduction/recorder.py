@@ -1,0 +1,111 @@
+"""What a notebook measured for the paper's claims: a record file beside its figures, written at every record."""
+
+from __future__ import annotations
+
+import json
+import math
+import platform
+from collections.abc import Mapping
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from stepover import __version__
+from stepover.errors import InvalidInput
+from stepover.output import write_whole
+from stepover.report.tables.table import Table, table
+from stepover.reproduction.claims import DIFFERS, HOLDS, UNTESTED, VERDICTS, read_claims
+
+SUFFIX = ".claims.json"
+"""How the name of a record file ends."""
+PACKAGES = ("numpy", "pin", "pybullet")
+"""Whose versions a record keeps."""
+
+
+class Recorder:
+    """What a notebook measured; each record is written at once, beside the notebook's figures."""
+
+    def __init__(self, notebook: str, output: str | Path, known: Path | None = None, **parameters: object) -> None:
+        """Begin anew.
+
+        Args:
+            notebook: its name.
+            output: folder of its figures.
+            known: file of the claims, data/claims.toml unless given.
+            parameters: of the notebook, which go into each record.
+        """
+        self.claims = {name: one for name, one in read_claims(known).items() if one.notebook == notebook}
+        self.path = Path(output) / f"{notebook}{SUFFIX}"
+        self.parameters, self.records = parameters, dict[str, dict[str, Any]]()
+        self.versions = {"stepover": __version__, "python": platform.python_version()}
+        self.versions |= {package: version(package) for package in PACKAGES}
+        self._write()
+
+    def record(
+        self, claim: str, measured: Any, reason: str = "", verdict: str | None = None, **parameters: object
+    ) -> None:
+        """Record what was measured for a claim, in its unit; the claim's rule gives the verdict unless one is given.
+
+        Raises:
+            InvalidInput: no such claim of this notebook, an unknown verdict, or one that needs a reason.
+        """
+        if claim not in self.claims:
+            raise InvalidInput(f"{self.path.name}: {claim!r} is no claim of this notebook: see data/claims.toml")
+        one, value = self.claims[claim], plain(measured)
+        found = verdict or (HOLDS if one.holds(value) else DIFFERS)
+        if found not in VERDICTS or (found == UNTESTED and not reason):
+            raise InvalidInput(f"claim {claim!r}: verdict {found!r} must be one of {', '.join(VERDICTS)}, "
+                               "and the last one needs a reason")  # fmt: skip
+        self.records[claim] = {
+            "id": claim, "measured": shortened(value, 2 if one.varies else 4), "verdict": found, "reason": reason,
+            "parameters": plain(self.parameters | parameters), "versions": self.versions,
+        }  # fmt: skip
+        self._write()
+
+    def table(self) -> Table:
+        """What has been recorded so far."""
+        rows = [
+            (one.statement, shown(one.paper, one.unit), shown(row["measured"], one.unit), row["verdict"], row["reason"])
+            for row in self.records.values() for one in [self.claims[row["id"]]]
+        ]  # fmt: skip
+        return table("claim | paper | here | verdict | reason, or what it depends on", rows)
+
+    def _write(self) -> None:
+        """All records so far, whole or not at all."""
+        self.path.parent.mkdir(parents=True, exist_ok=True)
+        text = as_json(list(self.records.values()))
+        write_whole(self.path, lambda file: file.write(text.encode()))
+
+
+def as_json(rows: list[dict[str, Any]]) -> str:
+    """Rows as they are stored: null for what is no number, the same text for the same rows."""
+    return json.dumps(rows, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def plain(value: Any) -> Any:
+    """Numpy's scalars and arrays as Python's own."""
+    if isinstance(value, Mapping):
+        return {key: plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    return plain(value.tolist()) if hasattr(value, "tolist") else value
+
+
+def shortened(value: Any, digits: int) -> Any:
+    """Numbers with so many digits, None for what is none."""
+    if isinstance(value, list):
+        return [shortened(item, digits) for item in value]
+    if isinstance(value, float):
+        return float(f"{value:.{digits}g}") if math.isfinite(value) else None
+    return value
+
+
+def shown(value: Any, unit: str = "") -> str:
+    """A value for a table: three digits, more for hundreds of thousands, and its unit."""
+    if isinstance(value, list):
+        return f"{', '.join(shown(item) for item in value)} {unit}".rstrip()
+    if isinstance(value, str):
+        return value
+    if value is None:
+        return "no number"
+    return f"{value:.0f} {unit}".rstrip() if 1e3 <= abs(value) < 1e5 else f"{value:.3g} {unit}".rstrip()

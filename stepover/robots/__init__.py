@@ -1,0 +1,1 @@
+"""From a URDF and a robot.toml to a checked robot."""

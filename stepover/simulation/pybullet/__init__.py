@@ -1,0 +1,1 @@
+"""PyBullet as the physics engine. The only door to it."""

@@ -1,0 +1,69 @@
+"""The crossing as it is shown on the front page: a camera at rest, and the safety margin as a veil.
+
+Three layers are drawn and put over each other by their distance from the camera: floor and obstacle, once; the
+margin, once; the robot, for each picture. That is quicker than drawing all of it each time, and it makes the veil.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from stepover.model.robot import Robot
+from stepover.motion.motion import Motion
+from stepover.simulation.measurements import Run
+from stepover.simulation.pybullet.video import DRAWN_HALF_WIDTH, acted, averaged, box, furnish, seen, stage
+
+EYE, TARGET, FIELD_OF_VIEW = (1.8, -5.6, 1.4), (0.06, 0.0, 0.69), 17.4
+"""Camera: place and what it looks at, against the middle of the obstacle [m], and its vertical angle [deg]."""
+VEIL, OPACITY = (0.86, 0.22, 0.15, 1.0), 0.32
+"""Colour of the safety margin, and how much of what is behind it hides."""
+HAZE = (6.2, 8.6)
+"""From where to where the floor fades into the background [m]."""
+FINENESS = 2
+
+
+def crossing_frames(
+    source: Run | Motion,
+    times: Sequence[float] | np.ndarray,
+    size: tuple[int, int] = (640, 440),
+    robot: Robot | None = None,
+) -> list[np.ndarray]:
+    """Pictures from the side and slightly ahead, camera at rest before the obstacle.
+
+    Args:
+        source: a run (the measured q) or a motion (the planned one).
+        times: (K,) [s].
+        size: width and height in pixels.
+        robot: the motion's own unless given.
+
+    Returns:
+        K arrays (height, width, 3) of uint8.
+    """
+    motion, obstacle = (source.motion, source.obstacle) if isinstance(source, Run) else (source, source.bare_obstacle)
+    middle = np.array([obstacle[:2].mean(), 0.0, 0.0])
+    fine = FINENESS * size[0], FINENESS * size[1]
+    camera = (middle + EYE).tolist(), (middle + TARGET).tolist(), FIELD_OF_VIEW, fine
+    with stage() as client:
+        furnish(client, motion, obstacle)
+        scene, far = seen(client, *camera)
+    with stage() as client:
+        (side, top), end = motion.obstacle[3:5], DRAWN_HALF_WIDTH - 0.002  # the obstacle's own end stays without veil
+        box(client, (obstacle[0] - side, -end, 0.0), (obstacle[1] + side, end, obstacle[3] + top), VEIL)
+        veil, veil_distance = seen(client, *camera)
+    haze = np.clip((far - HAZE[0]) / (HAZE[1] - HAZE[0]), 0.0, 1.0)[..., None]
+    scene = _veiled(scene + haze * (255.0 - scene), veil, veil_distance < far)
+    pictures = []
+    with stage() as client:
+        for _ in acted(client, source, np.asarray(times, dtype=float), robot):
+            figure, distance = seen(client, *camera)
+            where, picture = distance < far, scene.copy()
+            picture[where] = _veiled(figure[where], veil[where], (veil_distance < distance)[where])
+            pictures.append(averaged(picture, FINENESS))
+    return pictures
+
+
+def _veiled(colours: np.ndarray, veil: np.ndarray, where: np.ndarray) -> np.ndarray:
+    """Colours (..., 3) of uint8, behind the veil's where it is before them."""
+    return np.asarray(colours + OPACITY * where[..., None] * (veil - 1.0 * colours) + 0.5, dtype=np.uint8)

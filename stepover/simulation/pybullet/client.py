@@ -1,0 +1,88 @@
+"""PyBullet, silenced, and what world and video share of it: loading a robot, naming its parts, placing it."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+
+from stepover.model.pose import Rotation
+from stepover.model.robot import Robot
+from stepover.simulation.pybullet.description import Description
+
+
+@contextmanager
+def silenced() -> Iterator[None]:
+    """Let C code print to nowhere: stdout and stderr at the file descriptors."""
+    sys.stdout.flush()
+    sys.stderr.flush()
+    kept = [os.dup(1), os.dup(2)]
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    try:
+        os.dup2(nowhere, 1)
+        os.dup2(nowhere, 2)
+        yield
+    finally:
+        ctypes.CDLL(None).fflush(None)
+        os.dup2(kept[0], 1)
+        os.dup2(kept[1], 2)
+        for descriptor in (nowhere, *kept):
+            os.close(descriptor)
+
+
+with silenced():
+    import pybullet
+
+
+def load_body(robot: Robot, client: int, description: Description | None = None) -> int:
+    """Load the robot into a client, as a description says or as its URDF does, and give its number.
+
+    Self-collision stays off: neighbouring boxes overlap at the joints by design, and the planner keeps the legs apart.
+    """
+    flags = pybullet.URDF_USE_INERTIA_FROM_FILE
+    description = description or Description(robot)
+    if not description.changed:
+        return int(pybullet.loadURDF(str(robot.urdf_path), flags=flags, physicsClientId=client))
+    with tempfile.TemporaryDirectory() as folder:
+        for name, text in {robot.urdf_path.name: description.text(), **description.hulls}.items():
+            (Path(folder) / name).write_text(text)
+        path = Path(folder) / robot.urdf_path.name
+        return int(pybullet.loadURDF(str(path), flags=flags, physicsClientId=client))
+
+
+def names_of(body: int, client: int) -> tuple[dict[int, str], dict[str, int]]:
+    """Names of all links by PyBullet's index, and that of each joint by its name: a link has that of its joint."""
+    infos = [pybullet.getJointInfo(body, i, client) for i in range(pybullet.getNumJoints(body, client))]
+    links = {-1: pybullet.getBodyInfo(body, client)[0].decode(), **{i[0]: i[12].decode() for i in infos}}
+    return links, {info[1].decode(): info[0] for info in infos}
+
+
+def local_of(body: int, client: int) -> tuple[np.ndarray, Rotation]:
+    """Position and rotation of the root link's inertial frame, PyBullet's base, in the root link."""
+    position, quaternion = pybullet.getDynamicsInfo(body, -1, client)[3:5]
+    return np.array(position), Rotation.from_quat(quaternion)
+
+
+def place_body(body: int, client: int, joints: list[int], local: tuple[np.ndarray, Rotation], q: np.ndarray) -> None:
+    """Put a body at rest at a configuration (nq,).
+
+    Args:
+        body: its number.
+        client: its client.
+        joints: its joints in the order of q[7:].
+        local: as from local_of.
+        q: where to.
+    """
+    turn = Rotation.from_quat(q[3:7])
+    position, quaternion = q[:3] + turn.apply(local[0]), (turn * local[1]).as_quat()
+    pybullet.resetBasePositionAndOrientation(body, position, quaternion, client)
+    pybullet.resetBaseVelocity(body, [0.0] * 3, [0.0] * 3, client)
+    pybullet.resetJointStatesMultiDof(
+        body, joints, [[angle] for angle in q[7:]], [[0.0]] * len(joints), physicsClientId=client
+    )

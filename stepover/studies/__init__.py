@@ -1,0 +1,1 @@
+"""Long tables: many runs in parallel, seeded, resumable."""

@@ -1,0 +1,13 @@
+"""python -m stepover.studies: run or resume all studies, and name the tables that they wrote."""
+
+from __future__ import annotations
+
+from stepover.studies.landing import study as landing
+from stepover.studies.obstacle_plane import study as obstacle_plane
+from stepover.studies.robustness import study as robustness
+from stepover.studies.strategies import study as strategies
+from stepover.studies.trials import study as trials
+
+if __name__ == "__main__":
+    for study in (obstacle_plane, strategies, trials, robustness, landing):
+        print(study())

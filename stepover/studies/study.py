@@ -1,0 +1,178 @@
+"""Long tables: many points, planned and simulated in parallel, resumable. `make studies` runs all of them.
+
+Each finished point is appended to a part file in build/, whose name carries a fingerprint of everything that the
+result depends on: the code of the planner and the physics, and the robot. So a study that is interrupted, or killed,
+goes on where it stopped, and one whose planner has changed begins anew. The table itself is written at the end, whole.
+A row is a frozen dataclass of plain values.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import csv
+import dataclasses
+import hashlib
+import io
+import json
+import os
+from collections.abc import Sequence
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, TypeVar
+
+from tqdm import tqdm
+
+from stepover import __version__
+from stepover.errors import InvalidInput
+from stepover.locations import checkout, data_folder
+from stepover.model.robot import Robot
+from stepover.output import write_whole
+from stepover.robots.loading import load_robot
+from stepover.studies.parallel import Row, Work, computed
+
+Kind = TypeVar("Kind")
+
+INDEPENDENT = ("cli", "reproduction", "report", "__main__.py")
+"""Code that no result depends on."""
+
+
+def fingerprint(robot: str, *more: object) -> str:
+    """Twelve digits that change with the code, the robot's files, or anything else that is named."""
+    package = Path(__file__).resolve().parents[1]
+    code = [path for path in package.rglob("*.py") if path.relative_to(package).parts[0] not in INDEPENDENT]
+    files = sorted(code) + _robot_files(robot)
+    digest = hashlib.sha256(repr(more).encode())
+    for path in files:
+        digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
+    return digest.hexdigest()[:12]
+
+
+def _robot_files(robot: str) -> list[Path]:
+    """Files of a robot by its name, or by the path of its robot.toml, which may lie among others."""
+    if Path(robot).suffix == ".toml":
+        found = robot_of(robot)
+        return [Path(robot), found.urdf_path]
+    return sorted(path for path in (data_folder() / robot).iterdir() if path.suffix != ".md")
+
+
+def make_table(
+    name: str, points: Sequence[Any], work: Work, kind: type[Any], table: Path | None = None,
+    build: Path | None = None, workers: int | str | None = None, more: Sequence[object] = (),
+) -> Path:  # fmt: skip
+    """Run or resume a study, and write its table.
+
+    Args:
+        name: of the study.
+        points: each with the name of its robot.
+        work: see run_study.
+        kind: dataclass of a row.
+        table: where it goes; figures/ unless given.
+        build: folder of the part file; build/ unless given.
+        workers: processes, or a Dask cluster, see run_study.
+        more: what else the part file's name carries in its fingerprint, beside robot, code and version.
+
+    Returns:
+        The table's path.
+    """
+    part = (build or checkout() / "build") / f"{name}-{fingerprint(points[0].robot, __version__, *more)}.part"
+    rows = run_study(points, work, part, workers=workers, name=name)
+    table = table or stored_table(name)
+    write_rows([kind(**row) for row in rows], table)
+    return table
+
+
+def stored_table(name: str) -> Path:
+    """The table of a study in figures/."""
+    return checkout() / "figures" / f"{name}.csv"
+
+
+def write_rows(rows: Sequence[Any], path: Path) -> None:
+    """Write rows, all of one dataclass, as CSV, whole or not at all."""
+    text = io.StringIO()
+    lines = csv.DictWriter(text, [field.name for field in dataclasses.fields(rows[0])], lineterminator="\n")
+    lines.writeheader()
+    lines.writerows(dataclasses.asdict(row) for row in rows)
+    write_whole(path, lambda file: file.write(text.getvalue().encode()))
+
+
+def read_rows(kind: type[Kind], path: Path) -> list[Kind]:
+    """Rows of a table.
+
+    Raises:
+        InvalidInput: there is no such table, or it is not one of this kind.
+    """
+    types = {field.name: str(field.type) for field in dataclasses.fields(kind)}  # type: ignore[arg-type]
+    try:
+        with open(path, newline="") as file:
+            lines = list(csv.DictReader(file))
+        return [kind(**{name: _value(types[name], text) for name, text in line.items()}) for line in lines]
+    except OSError as error:
+        raise InvalidInput(f"{path} cannot be read: {error.strerror}; 'make studies' writes it") from error
+    except (KeyError, TypeError, ValueError) as error:
+        raise InvalidInput(f"{path} is not a table of this study ({error}); 'make studies' writes it anew") from error
+
+
+@lru_cache(maxsize=2)
+def robot_of(name: str) -> Robot:
+    """A robot, loaded once a process."""
+    return load_robot(name)
+
+
+def rounded(value: float, digits: int = 5) -> float:
+    """A number for a table: hundredths of a millimetre."""
+    return round(float(value), digits)
+
+
+def run_study(
+    points: Sequence[Any], work: Work, part: Path, *, workers: int | str | None = None, name: str = "study"
+) -> list[Row]:
+    """Rows of all points in their order; those that the part file has already are not computed again.
+
+    Args:
+        points: what work takes, each with a repr of its own.
+        work: a function at the top of a module, from a point to a row of plain values.
+        part: where finished rows are kept until the study is whole.
+        workers: processes, 1: this one; the address of a Dask scheduler; None: one process a core.
+        name: for the progress bar, which goes to stderr.
+
+    Raises:
+        InvalidInput: the part file is damaged, other than in a last line that was cut short.
+    """
+    part.parent.mkdir(parents=True, exist_ok=True)
+    done = _read_part(part)
+    missing = [point for point in points if repr(point) not in done]
+    with (
+        open(part, "ab") as file,
+        tqdm(total=len(points), initial=len(points) - len(missing), desc=name, unit="point", disable=None) as bar,
+        contextlib.closing(computed(missing, work, workers)) as rows,
+    ):
+        for point, row in rows:
+            file.write(json.dumps([repr(point), row]).encode() + b"\n")
+            file.flush()
+            os.fsync(file.fileno())
+            done[repr(point)] = json.loads(json.dumps(row))
+            bar.update()
+    return [done[repr(point)] for point in points]
+
+
+def _read_part(part: Path) -> dict[str, Row]:
+    """Rows of a part file by their points; a last line that was cut short is cut off."""
+    if not part.is_file():
+        return {}
+    content = part.read_bytes()
+    whole = content[: content.rfind(b"\n") + 1]
+    if whole != content:
+        os.truncate(part, len(whole))
+    try:
+        return dict(json.loads(line) for line in whole.splitlines())
+    except (TypeError, ValueError) as error:
+        raise InvalidInput(f"{part} holds what is no row of a study; delete it to begin anew") from error
+
+
+def _value(kind: str, text: str) -> Any:
+    """A cell of a table: nothing for None, True or False, a number, a text."""
+    if text == "" and "None" in kind:
+        return None
+    if "bool" in kind:
+        return {"True": True, "False": False}[text]
+    return int(text) if "int" in kind else float(text) if "float" in kind else text
