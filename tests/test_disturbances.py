@@ -13,6 +13,7 @@ from stepover.errors import InvalidInput
 from stepover.model.robot import Robot
 from stepover.motion.motion import Motion
 from stepover.simulation.disturbances import NONE, Disturbances, explained
+from stepover.simulation.engine import Scene
 from stepover.simulation.loop import floor_changes
 from stepover.simulation.measurements import Run
 from stepover.simulation.pybullet.world import World, pybullet
@@ -118,9 +119,9 @@ def test_an_imu_on_a_slope_knows_what_is_up(motion: Motion, robot: Robot) -> Non
 
 def sensed(motion: Motion, robot: Robot, disturbances: Disturbances, touch: Touch = NOTHING) -> Sensed:
     """What the senses of a robot in its first posture read."""
-    with World(robot, None, disturbances=disturbances) as world:
+    with World(Scene(robot, disturbances=disturbances)) as world:
         world.reset(motion.q[0])
-        senses = Senses(robot, world, disturbances, motion.dt)
+        senses = Senses(world, motion.dt)
         senses.read(touch)
         return senses.late(0.0)
 
@@ -129,11 +130,12 @@ def test_mass_on_the_chest(motion: Motion, robot: Robot) -> None:
     heavy, ahead = (Disturbances.read(p, motion) for p in ({"chest_mass": 0.05}, {"chest_com_x": 0.02}))
     masses, centres = {}, {}
     for name, what in (("plain", NONE), ("heavy", heavy), ("ahead", ahead)):
-        with World(robot, None, disturbances=what) as world:
+        with World(Scene(robot, disturbances=what)) as world:
             world.reset(motion.q[0])
-            links = {world.links[i]: i for i in world.links}
-            masses[name] = {n: pybullet.getDynamicsInfo(world.robot, i, world.client)[0] for n, i in links.items()}
-            chest = pybullet.getLinkState(world.robot, links["CHEST_LINK1"], 0, 1, world.client)
+            body = world.robot
+            links = {body.links[i]: i for i in body.links}
+            masses[name] = {n: pybullet.getDynamicsInfo(body.number, i, world.client)[0] for n, i in links.items()}
+            chest = pybullet.getLinkState(body.number, links["CHEST_LINK1"], 0, 1, world.client)
             centres[name] = np.array(chest[0])
     more = {n: m - masses["plain"][n] for n, m in masses["heavy"].items() if m != masses["plain"][n]}
     assert more == {"CHEST_LINK1": pytest.approx(0.05 * robot.body.mass)}
@@ -155,8 +157,8 @@ def test_obstacle_moves_and_grows(motion: Motion, robot: Robot) -> None:
         "it stands before the robot"
     )
     assert moved.motion is part
-    with World(robot, Disturbances.read({"obstacle_x": 0.02}, motion).obstacle(motion.obstacle)) as world:
-        low, high = pybullet.getAABB(world._obstacle, -1, world.client)
+    with World(Scene(robot, (Disturbances.read({"obstacle_x": 0.02}, motion).obstacle(motion.obstacle),))) as world:
+        low, high = pybullet.getAABB(world.surroundings.obstacles[0], -1, world.client)
         assert low[0] == pytest.approx(motion.obstacle[0] + 0.02, abs=2e-3)
         assert high[0] - low[0] == pytest.approx(0.05, abs=2e-3)
 
@@ -212,9 +214,9 @@ def test_wrenches_are_in_the_ankles_axes(motion: Motion, robot: Robot) -> None:
     q = motion.q[0].copy()
     q[3:7] = [0.0, 0.0, np.sin(np.pi / 4.0), np.cos(np.pi / 4.0)]  # turned left by 90 degrees
     touch = Touch(np.array([[10.0, 0.0, 0.0, 0.0, 0.0, 0.0], np.zeros(6)]), np.zeros(6), set(), {})
-    with World(robot, None) as world:
+    with World(Scene(robot)) as world:
         world.reset(q)
-        senses = Senses(robot, world, NONE, motion.dt)
+        senses = Senses(world, motion.dt)
         senses.read(touch)
     np.testing.assert_allclose(senses.late(0.0).left_wrench[:3], [0.0, -10.0, 0.0], atol=1e-3)
 
@@ -226,9 +228,9 @@ def test_noise_is_seeded_and_as_large_as_said(motion: Motion, robot: Robot) -> N
     for name in ("joints", "attitude", "rate", "left_wrench", "right_wrench"):
         np.testing.assert_array_equal(getattr(first, name), getattr(again, name))
         assert not np.array_equal(getattr(first, name), getattr(other, name))
-    with World(robot, None) as world:
+    with World(Scene(robot, disturbances=Disturbances.read(values, motion))) as world:
         world.reset(motion.q[0])
-        senses = Senses(robot, world, Disturbances.read(values, motion), motion.dt)
+        senses = Senses(world, motion.dt)
         many = []
         for _ in range(100):
             senses.read(NOTHING)
@@ -245,8 +247,8 @@ def test_readings_are_as_old_as_said(motion: Motion, robot: Robot, latency: floa
     """Readings 0, 1, 2, 3 of the neck; one period old they are of 2."""
     disturbances = Disturbances.read({"latency": latency}, motion)
     q = motion.q[0].copy()
-    with World(robot, None) as world:
-        senses = Senses(robot, world, disturbances, motion.dt)
+    with World(Scene(robot, disturbances=disturbances)) as world:
+        senses = Senses(world, motion.dt)
         for angle in range(4):
             q[robot.body.column("HEAD_JOINT0")] = 0.1 * angle
             world.reset(q)

@@ -40,9 +40,9 @@ FLOORS = (
 # The one door to each library: a file, or a folder with everything in it.
 DOORS = {
     "pinocchio": ("stepover.model",),
-    "pybullet": ("stepover.simulation",),
-    "pybullet_data": ("stepover.simulation",),
-    "pybullet_utils": ("stepover.simulation",),
+    "pybullet": ("stepover.simulation.pybullet",),
+    "pybullet_data": ("stepover.simulation.pybullet",),
+    "pybullet_utils": ("stepover.simulation.pybullet",),
     "meshcat": ("stepover.report.viewer",),
     "matplotlib.pyplot": ("stepover.report.figures",),
     "papermill": ("stepover.reproduction.run",),

@@ -15,40 +15,44 @@ from stepover.errors import InvalidInput
 from stepover.model.robot import Robot
 from stepover.motion.motion import Motion
 from stepover.robots.loading import load_robot
-from stepover.simulation.motors import straight_course
-from stepover.simulation.pybullet.description import BUSH, Description
+from stepover.simulation.engine import Scene
+from stepover.simulation.pybullet.description import Description
+from stepover.simulation.pybullet.motors import Servos
 from stepover.simulation.pybullet.world import World, pybullet
 from stepover.simulation.run import simulate
-from stepover.simulation.servos import Servos, springs
-from stepover.simulation.soles import plate, with_plate_shapes, with_plates
+from stepover.simulation.servos import springs, within_limits
+from stepover.simulation.soles import BUSH, plate, with_plate_shapes, with_plates
+from stepover.simulation.trajectory import straight
 
 DT = 0.001
 
 
 @contextmanager
-def hung_up(robot: Robot, sole: str = "rigid") -> Iterator[tuple[World, np.ndarray]]:
-    """A world in which the robot hangs by its waist, a metre above its place."""
+def hung_up(robot: Robot, sole: str = "rigid", limited: bool = True) -> Iterator[tuple[World, np.ndarray]]:
+    """A world in which the robot hangs by its waist, a metre above its place, with servos in its joints."""
     q = robot.half_sitting()
     q[2] += 1.0
-    with World(robot, None, sole) as world:
+    scene = Scene(robot, actuators="limited" if limited else "ideal", sole=sole)
+    with World(scene) as world:
+        if not limited:
+            world.motors = Servos(scene, world.robot, Description(robot))
         world.reset(q)
-        place = pybullet.getBasePositionAndOrientation(world.robot, world.client)
+        number = world.robot.number
+        place = pybullet.getBasePositionAndOrientation(number, world.client)
         pybullet.createConstraint(
-            world.robot, -1, -1, -1, pybullet.JOINT_FIXED, (0, 0, 0), (0, 0, 0), place[0], (0, 0, 0, 1), place[1],
+            number, -1, -1, -1, pybullet.JOINT_FIXED, (0, 0, 0), (0, 0, 0), place[0], (0, 0, 0, 1), place[1],
             physicsClientId=world.client,
         )  # fmt: skip
         yield world, q
 
 
-def go(world: World, servos: Servos, goal: np.ndarray, steps: int, start: np.ndarray | None = None) -> np.ndarray:
+def go(world: World, goal: np.ndarray, steps: int, start: np.ndarray | None = None) -> np.ndarray:
     """Angles (steps, 2, J) and speeds of all joints on the way to angles, which are held unless there is a start."""
-    course = straight_course(goal if start is None else start, goal, steps, DT * steps)
     found = []
-    for step in range(steps):
-        servos.drive(course, step)
+    for target in straight(goal if start is None else start, goal, steps, DT * steps):
+        world.command(*target)
         world.step()
-        servos.look(world.contacts())
-        found.append(world.joint_motion(world.joints + world.passive))
+        found.append(world.robot.joint_motion(world.robot.joints + world.robot.passive))
     return np.array(found)
 
 
@@ -76,11 +80,10 @@ def test_a_servo_bears_what_hangs_on_it(robot: Robot) -> None:
     with hung_up(robot) as (world, q):
         q[robot.body.column("LARM_JOINT3")] = np.radians(-90.0)
         world.reset(q)
-        servos = Servos(robot, world, limited=True)
-        go(world, servos, q[7:], 400)
+        go(world, q[7:], 400)
         state = q.copy()
-        state[7:] = world.joint_motion(world.joints)[0]
-        torque = servos.torque
+        state[7:] = world.joints()[0]
+        torque = world.torque
     placed = robot.body.placements(state[None])
     elbow = robot.body.index("LARM_JOINT3")
     links = robot.body.model.inertias
@@ -100,7 +103,7 @@ def test_light_links_stay_calm(robot: Robot, joint: str) -> None:
     with hung_up(robot) as (world, q):
         goal = q[7:].copy()
         goal[column] += 0.05
-        angles = go(world, Servos(robot, world, limited=True), goal, 400)[:, 0, column]
+        angles = go(world, goal, 400)[:, 0, column]
     assert abs(angles[-1] - goal[column]) < 0.002
     assert angles.max() < goal[column] + 0.01
     assert np.abs(np.diff(angles[200:])).max() < 1e-5
@@ -112,7 +115,7 @@ def test_a_servo_keeps_pace(robot: Robot) -> None:
         begin, goal = q[7:].copy(), q[7:].copy()
         begin[column], goal[column] = -0.5, 0.5
         world.reset(np.concatenate([q[:7], begin]))
-        angles = go(world, Servos(robot, world, limited=True), goal, 400, start=begin)[200:, 0, column]
+        angles = go(world, goal, 400, start=begin)[200:, 0, column]
     planned = np.linspace(-0.5, 0.5, 401)[201:]
     assert np.abs(angles - planned).max() < 0.3 * (planned[1] - planned[0]), "not a step behind"
 
@@ -131,11 +134,11 @@ def test_torques_end_at_the_limit(motion: Motion) -> None:
 @pytest.mark.parametrize("limited", [True, False])
 def test_no_torque_drives_a_joint_beyond_its_speed_limit(robot: Robot, limited: bool) -> None:
     column = robot.body.column("HEAD_JOINT0") - 7
-    with hung_up(robot) as (world, q):
+    with hung_up(robot, limited=limited) as (world, q):
         begin, goal = q[7:].copy(), q[7:].copy()
         begin[column], goal[column] = -0.7, 0.7
         world.reset(np.concatenate([q[:7], begin]))
-        way = go(world, Servos(robot, world, limited), goal, 100, start=begin)
+        way = go(world, goal, 100, start=begin)
     share = way[:, 1, column] / robot.body.speed_limits[column]
     if limited:
         beyond = np.flatnonzero(share > 1.0)
@@ -147,13 +150,11 @@ def test_no_torque_drives_a_joint_beyond_its_speed_limit(robot: Robot, limited: 
 
 
 def test_limits_are_those_of_the_side_that_accelerates(robot: Robot) -> None:
-    with hung_up(robot) as (world, _):
-        servos = Servos(robot, world, limited=True)
     wanted, limit, fast = np.full(30, 1e4), robot.body.effort_limits, robot.body.speed_limits
-    np.testing.assert_allclose(servos._limited(wanted, 0.0 * fast), limit)
-    np.testing.assert_allclose(servos._limited(wanted, fast), 0.0)
-    np.testing.assert_allclose(servos._limited(-wanted, fast), -limit, err_msg="it may brake")
-    np.testing.assert_allclose(servos._limited(wanted, (1.0 - 0.5 * robot.servo.speed_fade) * fast), 0.5 * limit)
+    np.testing.assert_allclose(within_limits(robot, wanted, 0.0 * fast), limit)
+    np.testing.assert_allclose(within_limits(robot, wanted, fast), 0.0)
+    np.testing.assert_allclose(within_limits(robot, -wanted, fast), -limit, err_msg="it may brake")
+    np.testing.assert_allclose(within_limits(robot, wanted, (1.0 - 0.5 * robot.servo.speed_fade) * fast), 0.5 * limit)
 
 
 def test_the_bush_sinks_under_the_weight_and_tilts_under_a_moment(motion: Motion, robot: Robot) -> None:
@@ -178,8 +179,8 @@ def test_a_free_sole_swings_as_its_spring_says(robot: Robot) -> None:
     """The plate of a hanging foot, pushed up: damped oscillation of its mass on the rubber."""
     soft = replace(robot, sole=replace(robot.sole, vertical_damping=8.0))
     with hung_up(soft, "compliant") as (world, q):
-        pybullet.resetJointState(world.robot, world.passive[0], 0.003, 0.0, world.client)
-        lift = go(world, Servos(soft, world, limited=True), q[7:], 120)[:, 0, 30]
+        pybullet.resetJointState(world.robot.number, world.robot.passive[0], 0.003, 0.0, world.client)
+        lift = go(world, q[7:], 120)[:, 0, 30]
     mass = soft.sole.mass + 2.0 * soft.sole.bush_mass
     lift = lift - lift[-20:].mean()
     crossings = np.flatnonzero(np.diff(np.sign(lift[:60])))

@@ -16,6 +16,7 @@ from stepover.errors import InvalidInput
 from stepover.model import pose
 from stepover.model.robot import Robot
 from stepover.motion.motion import Motion
+from stepover.simulation.engine import Scene
 from stepover.simulation.measurements import Run, Series
 from stepover.simulation.pybullet.video import frames, record
 from stepover.simulation.pybullet.world import World, pybullet
@@ -112,7 +113,7 @@ def test_two_runs_are_equal_to_the_bit(run: Run, motion: Motion, robot: Robot) -
 
 def test_json_is_what_the_interface_promises(run: Run) -> None:
     numbers = run.to_json()
-    assert list(numbers) == ["crossed", *PROMISED, "speed_violation_samples", "perturb"]
+    assert list(numbers) == ["crossed", *PROMISED, "speed_violation_samples", "perturb", "engine"]
     assert json.loads(json.dumps(numbers, allow_nan=False)) == numbers
     assert numbers["crossed"] is True
     spoilt = replace(run, zmp_rms=[float("nan"), 0.0], landing_force_peak={"first": float("nan"), "second": 1.0})
@@ -123,20 +124,21 @@ def test_json_is_what_the_interface_promises(run: Run) -> None:
 def test_world_knows_the_robot(robot: Robot, motion: Motion) -> None:
     q = motion.q[700].copy()
     q[3:7] = pose.Rotation.from_euler("zyx", [0.7, 0.2, -0.3]).as_quat()
-    with World(robot, motion.obstacle) as world:
-        masses = [pybullet.getDynamicsInfo(world.robot, link, world.client)[0] for link in world.links]
+    with World(Scene(robot, (motion.obstacle,))) as world:
+        body = world.robot
+        masses = [pybullet.getDynamicsInfo(body.number, link, world.client)[0] for link in body.links]
         assert sum(masses) == pytest.approx(robot.body.mass, rel=1e-9)
         world.reset(q)
         np.testing.assert_allclose(world.base_pose(), q[:7], atol=1e-12)
-        angles, speeds, _ = world.joint_states()
+        angles, speeds = world.joints()
         np.testing.assert_allclose(angles, q[7:], atol=1e-12)
         assert not speeds.any()
         placed = robot.body.placements(q[None])
-        for name, index in zip(robot.body.joint_names, world.joints, strict=True):
-            frame = pybullet.getLinkState(world.robot, index, 0, 1, world.client)[4]
+        for name, index in zip(robot.body.joint_names, body.joints, strict=True):
+            frame = pybullet.getLinkState(body.number, index, 0, 1, world.client)[4]
             np.testing.assert_allclose(frame, placed.positions[0, robot.body.index(name)], atol=1e-6)
-        centres = [pybullet.getBasePositionAndOrientation(world.robot, world.client)[0]]
-        centres += [pybullet.getLinkState(world.robot, i, 0, 1, world.client)[0] for i in list(world.links)[1:]]
+        centres = [pybullet.getBasePositionAndOrientation(body.number, world.client)[0]]
+        centres += [pybullet.getLinkState(body.number, i, 0, 1, world.client)[0] for i in list(body.links)[1:]]
         np.testing.assert_allclose(np.average(centres, axis=0, weights=masses), robot.body.com(placed)[0], atol=1e-6)
 
 

@@ -37,7 +37,7 @@ def measured(
         recording: what it did.
         fall: sample of a fall and what it shows by, or None.
         obstacle: (4,) rectangle of the bare obstacle, where it really was.
-        how: actuators, sole, stabilizer, perturb and realtime_factor, as they go into the result.
+        how: actuators, sole, stabilizer, perturb, engine and realtime_factor, as they go into the result.
     """
     placements, shapes = _bodies(robot, recording)
     series = _series(robot, motion, recording, placements, _separation(shapes, placements, obstacle))

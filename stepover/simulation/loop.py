@@ -1,144 +1,123 @@
-"""The physics, step by step: motors, floor, pushes, the stabilizer's commands, and what is recorded."""
+"""The physics, step by step: the one loop that carries a motion out, and lets observers watch."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Protocol
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
-from stepover.control.stabilizer import Stabilizer
-from stepover.model.robot import Robot
+from stepover.model.parameters.physics import Simulation
+from stepover.model.pose import axes
 from stepover.motion.motion import Motion
+from stepover.simulation.commands import Commands
 from stepover.simulation.disturbances import Disturbances
-from stepover.simulation.motors import Course, IdealMotors, Motors, planned_course, steps_a_sample, straight_course
-from stepover.simulation.pybullet.world import World
-from stepover.simulation.recording import Recording, has_fallen
-from stepover.simulation.sensing import Senses
-from stepover.simulation.servos import Servos
-from stepover.simulation.touch import NOTHING, Touch
+from stepover.simulation.engine import Contacts, Engine
+from stepover.simulation.observers import Observer, Sample
+from stepover.simulation.touch import NOTHING, Touch, summed_up
+from stepover.simulation.trajectory import JointTrajectory
 
 
-class Guide(Protocol):
-    """Says what course the joints shall take from one sample of the motion to the next."""
+class Fall(NamedTuple):
+    """A fall: the sample that shows it, and the beginning of a sentence that says how."""
 
-    def course(self, sample: int) -> Course:
-        """To a sample from the one before it."""
-
-    def look(self, touch: Touch, recording: Recording) -> None:
-        """Take notice of a sample that has been reached."""
-
-
-class Plan:
-    """Open loop: the motion as it is."""
-
-    def __init__(self, motion: Motion, steps: int) -> None:
-        """Interpolate the motion, as many time steps a sample."""
-        self._whole, self._steps = planned_course(motion, steps), steps
-
-    def course(self, sample: int) -> Course:
-        """Along the spline."""
-        return self._whole.part((sample - 1) * self._steps, self._steps)
-
-    def look(self, touch: Touch, recording: Recording) -> None:
-        """Nothing is sensed."""
-
-
-class Pilot:
-    """The stabilizer, which sees what the senses read and nothing else.
-
-    It works out a command from the readings of one sample before, and in the time until the next sample the motors
-    go straight to it: so the command for a sample rests on what was sensed two samples earlier, plus extra latency.
-    """
-
-    def __init__(self, robot: Robot, world: World, motion: Motion, disturbances: Disturbances, steps: int) -> None:
-        """Begin where the motion does."""
-        self.stabilizer = Stabilizer(robot, motion, bool(world.passive))
-        self._senses = Senses(robot, world, disturbances, motion.dt)
-        self._steps, self._period, self._command = steps, motion.dt, motion.q[0, 7:]
-        self._senses.read(NOTHING)
-
-    def course(self, sample: int) -> Course:
-        """From the last command to a new one."""
-        before = self._command
-        self._command = self.stabilizer.command(sample, self._senses.late(self._period))
-        return straight_course(before, self._command, self._steps, self._period)
-
-    def look(self, touch: Touch, recording: Recording) -> None:
-        """Read the sensors; and write down where the stabilizer takes the robot to be."""
-        self._senses.read(touch)
-        estimate = self.stabilizer.estimate
-        if estimate is not None:
-            recording.believe(recording.count - 3, estimate.waist, estimate.com)
+    sample: int
+    reason: str
 
 
 def carry_out(
-    world: World,
-    robot: Robot,
-    motion: Motion,
-    disturbances: Disturbances,
-    limited: bool,
-    stabilizer: bool,
-    progress: Callable[[float], None],
-) -> tuple[Recording, tuple[int, str] | None]:
-    """To the end of the motion, or a while after a fall.
+    engine: Engine, motion: Motion, commands: Commands, observers: Sequence[Observer], until: int | None = None
+) -> Fall | None:
+    """Carry a motion out.
+
+    Args:
+        engine: the world, with the robot anywhere.
+        motion: what is planned.
+        commands: what the motors are told.
+        observers: who watches, called in this order.
+        until: the sample at which the simulation ends, whatever happens; None: the motion's last one, or a while
+            (simulation.after_fall) after a fall.
 
     Returns:
-        What was recorded; the sample of a fall and what it shows by, or None.
+        The first fall, or None.
     """
-    parameters, last = robot.simulation, len(motion.time) - 1
-    steps = steps_a_sample(motion, parameters.time_step)
-    world.reset(motion.q[0])
-    soft = limited or bool(world.passive)
-    motors: Motors = Servos(robot, world, limited) if soft else IdealMotors(world, parameters)
-    guide: Guide = Pilot(robot, world, motion, disturbances, steps) if stabilizer else Plan(motion, steps)
+    parameters, disturbances = engine.scene.robot.simulation, engine.scene.disturbances
+    last = len(motion.time) - 1 if until is None else until
     floor = floor_changes(motion, disturbances)
+    engine.reset(motion.q[0])
     if floor:
-        world.set_ground(1, 0.0)
-    recording = Recording(len(motion.time), len(motion.joint_names), world.description.bush_height)
-    recording.add(world, NOTHING, motors.torque, motors.saturated)
-    fall: tuple[int, str] | None = None
-    while recording.count <= last:
-        k = recording.count
-        for side, height in floor.get(k - 1, ()):
-            world.set_ground(side, height)
-        touch, torque, saturated = _one_sample(world, motors, guide.course(k), disturbances, motion.time[k - 1])
-        recording.add(world, touch, torque, saturated)
-        guide.look(touch, recording)
-        reason = None if fall else has_fallen(parameters, recording.q[k, :7], motion.waist[k], touch)
+        engine.set_ground(0, 0.0)
+    fall: Fall | None = None
+    touch, torque, saturated = NOTHING, engine.torque, engine.saturated
+    k = 0
+    while True:
+        base, (angles, speeds) = engine.base_pose(), engine.joints()
+        commands.sense(touch)
+        reason = has_fallen(parameters, base, motion.waist[k], touch) if k and not fall else None
         if reason:
-            fall = k, reason
-            last = min(last, k + round(parameters.after_fall / motion.dt))
-        if k % 100 == 0 or k == last:
-            progress(k / last)
-    return recording, fall
+            fall = Fall(k, reason)
+            last = min(last, k + round(parameters.after_fall / motion.dt)) if until is None else last
+        q = np.concatenate([base, angles])
+        sample = Sample(k, last, q, speeds, torque, saturated, engine.bush(), touch, commands.estimate)
+        for observer in observers:
+            observer.sampled(sample)
+        if k == last:
+            return fall
+        for side, height in floor.get(k, ()):
+            engine.set_ground(0 if side > 0 else 1, height)
+        touch, torque, saturated = _one_sample(engine, commands.trajectory(k + 1), motion.time[k], observers)
+        k += 1
 
 
 def _one_sample(
-    world: World, motors: Motors, course: Course, disturbances: Disturbances, time: float
+    engine: Engine, trajectory: JointTrajectory, time: float, observers: Sequence[Observer]
 ) -> tuple[Touch, np.ndarray, np.ndarray]:
-    """The time steps of a course, which begins at a time [s].
+    """The time steps of a trajectory, which begins at a time [s].
 
     Returns:
-        Mean wrenches and findings, mean motor torques (nq - 7,), and which motors were saturated in any step.
+        Mean wrenches and findings, mean motor torques (J,), and which motors were saturated in any step.
     """
-    contacts, torque, saturated = [], np.zeros(len(motors.torque)), np.zeros(len(motors.torque), dtype=bool)
-    steps = len(course.speeds)
-    for step in range(steps):
-        motors.drive(course, step)
+    disturbances, time_step = engine.scene.disturbances, engine.scene.robot.simulation.time_step
+    contacts: list[Contacts] = []
+    torque, saturated = np.zeros(len(engine.torque)), np.zeros(len(engine.torque), dtype=bool)
+    for step, (start, end, speed) in enumerate(trajectory):
+        engine.command(start, end, speed)
         if disturbances.pushes:
-            world.push(disturbances.push(time + step * world.time_step))
-        world.step()
-        present = world.contacts()
-        motors.look(present)
-        contacts += present
-        torque += motors.torque
-        saturated |= motors.saturated
-    return world.touch(contacts, steps), torque / steps, saturated
+            engine.push(disturbances.push(time + step * time_step))
+        engine.step()
+        contacts.append(engine.contacts())
+        for observer in observers:
+            observer.stepped(engine, contacts[-1])
+        torque += engine.torque
+        saturated |= engine.saturated
+    steps = len(trajectory)
+    return summed_up(Contacts.joined(contacts), engine.links, steps), torque / steps, saturated
+
+
+def has_fallen(parameters: Simulation, waist: np.ndarray, planned: np.ndarray, touch: Touch) -> str | None:
+    """Why a robot counts as fallen, as the beginning of a sentence; None while it stands.
+
+    Args:
+        parameters: of the simulation, for the limits.
+        waist: (7,) measured pose.
+        planned: (7,) planned pose.
+        touch: what touches it.
+    """
+    up, planned_up = (axes(x[3:].tolist())[:, 2] for x in (waist, planned))
+    tilt = math.degrees(math.acos(min(max(up @ planned_up, -1.0), 1.0)))
+    drop = float(planned[2] - waist[2])
+    if touch.others:
+        return f"the floor is touched by {' and '.join(sorted(touch.others))}"
+    if tilt > parameters.fall_tilt_deg:
+        return f"the waist is tilted by {tilt:.0f} degrees against the plan"
+    if drop > parameters.fall_drop:
+        return f"the waist is {1e3 * drop:.0f} mm below the plan"
+    return None
 
 
 def floor_changes(motion: Motion, disturbances: Disturbances) -> dict[int, list[tuple[int, float]]]:
-    """When the floor of a foot moves, by sample: side and height [m]; in the middle of the swing to each foothold."""
+    """When the floor of a foot moves, in the middle of the swing to each foothold: by sample, side and height [m]."""
     heights = disturbances.floor(motion)
     changes: dict[int, list[tuple[int, float]]] = {}
     if not heights.any():

@@ -77,6 +77,7 @@ class Run:
         duration: simulated time [s].
         realtime_factor: simulated time over computing time.
         perturb: what was otherwise than planned, by name.
+        engine: the physics engine, by name.
         state_hash: SHA-256 of all recorded states, torques and forces, to the last bit.
         contact_reason: the first contact with the obstacle, in one sentence; None where there is none.
         motion: what was carried out.
@@ -104,6 +105,7 @@ class Run:
     state_hash: str
     speed_violation_samples: dict[str, int]
     perturb: dict[str, float]
+    engine: str
     contact_reason: str | None
     motion: Motion
     obstacle: np.ndarray

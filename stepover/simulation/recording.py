@@ -1,19 +1,17 @@
-"""What is written down while the physics runs, at every sample of the motion; and when a robot counts as fallen."""
+"""What is written down while the physics runs, at every sample of the motion."""
 
 from __future__ import annotations
 
 import hashlib
-import math
 
 import numpy as np
 
-from stepover.model.parameters.physics import Simulation
-from stepover.model.pose import axes
-from stepover.simulation.pybullet.world import World
-from stepover.simulation.touch import Touch
+from stepover.motion.motion import Motion
+from stepover.simulation.engine import Engine
+from stepover.simulation.observers import Observer, Sample
 
 
-class Recording:
+class Recording(Observer):
     """Measured series at the motion's sample times, N long, of which the first `count` are filled.
 
     Forces and torques are means over the time steps since the sample before; they are zero at the first sample.
@@ -33,9 +31,10 @@ class Recording:
         count: samples filled so far.
     """
 
-    def __init__(self, samples: int, joints: int, bush_depth: float = 0.0) -> None:
-        """Make room."""
-        self.bush_depth = bush_depth
+    def __init__(self, motion: Motion, engine: Engine) -> None:
+        """Make room for a motion in a world."""
+        samples, joints = len(motion.time), len(motion.joint_names)
+        self.bush_depth, self._age = engine.bush_depth, engine.scene.robot.stabilizer.age
         self.q = np.zeros((samples, 7 + joints))
         self.dq, self.torque = np.zeros((samples, joints)), np.zeros((samples, joints))
         self.feet, self.total = np.zeros((samples, 2, 6)), np.zeros((samples, 6))
@@ -45,47 +44,24 @@ class Recording:
         self.touched: tuple[int, list[str]] | None = None
         self.count = 0
 
-    def add(self, world: World, touch: Touch, torque: np.ndarray, saturated: np.ndarray) -> None:
-        """Write down the present state, and the means since the sample before."""
-        k = self.count
-        angles, self.dq[k], _ = world.joint_states()
-        self.q[k] = np.concatenate([world.base_pose(), angles])
+    def sampled(self, sample: Sample) -> None:
+        """Write down a sample."""
+        k, touch = sample.index, sample.touch
+        self.q[k], self.dq[k] = sample.q, sample.dq
         if k and self.q[k, 3:7] @ self.q[k - 1, 3:7] < 0.0:
             self.q[k, 3:7] *= -1.0
-        self.torque[k], self.feet[k], self.total[k] = torque, touch.feet, touch.total
-        self.saturated[k], self.bush[k] = saturated, world.bush()
+        self.torque[k], self.feet[k], self.total[k] = sample.torque, touch.feet, touch.total
+        self.saturated[k], self.bush[k] = sample.saturated, sample.bush
         if touch.obstacle:
             self.obstacle_depth[k] = max(touch.obstacle.values())
             self.touched = self.touched or (k, sorted(touch.obstacle))
-        self.count += 1
-
-    def believe(self, sample: int, waist: np.ndarray, com: np.ndarray) -> None:
-        """Write down where an estimator takes the robot to have been at a sample."""
-        if sample >= 0:
-            self.believed_waist[sample], self.believed_com[sample] = waist, com
+        if sample.estimate is not None and k >= self._age:
+            self.believed_waist[k - self._age], self.believed_com[k - self._age] = (
+                sample.estimate.waist, sample.estimate.com,
+            )  # fmt: skip
+        self.count = k + 1
 
     def state_hash(self) -> str:
         """SHA-256 of all recorded states, torques and forces, to the last bit."""
         series = (self.q, self.dq, self.torque, self.feet, self.total)
         return hashlib.sha256(b"".join(part[: self.count].tobytes() for part in series)).hexdigest()
-
-
-def has_fallen(parameters: Simulation, waist: np.ndarray, planned: np.ndarray, touch: Touch) -> str | None:
-    """Why a robot counts as fallen, as the beginning of a sentence; None while it stands.
-
-    Args:
-        parameters: of the simulation, for the limits.
-        waist: (7,) measured pose.
-        planned: (7,) planned pose.
-        touch: what touches it.
-    """
-    up, planned_up = (axes(x[3:].tolist())[:, 2] for x in (waist, planned))
-    tilt = math.degrees(math.acos(min(max(up @ planned_up, -1.0), 1.0)))
-    drop = float(planned[2] - waist[2])
-    if touch.others:
-        return f"the floor is touched by {' and '.join(sorted(touch.others))}"
-    if tilt > parameters.fall_tilt_deg:
-        return f"the waist is tilted by {tilt:.0f} degrees against the plan"
-    if drop > parameters.fall_drop:
-        return f"the waist is {1e3 * drop:.0f} mm below the plan"
-    return None

@@ -5,16 +5,20 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping
 
+from stepover.control.stabilizer import Stabilizer
 from stepover.errors import InvalidInput, require_type
 from stepover.model.obstacle import Obstacle
 from stepover.model.robot import Robot
 from stepover.motion.motion import Motion
 from stepover.robots.loading import load_robot
+from stepover.simulation.commands import commands_of
 from stepover.simulation.disturbances import Disturbances
+from stepover.simulation.engine import DEFAULT, Scene, engine_named
 from stepover.simulation.judging import measured
 from stepover.simulation.loop import carry_out
 from stepover.simulation.measurements import Run
-from stepover.simulation.pybullet.world import World
+from stepover.simulation.observers import Progress
+from stepover.simulation.recording import Recording
 
 AVAILABLE: dict[str, tuple[object, ...]] = {
     "actuators": ("ideal", "limited"), "sole": ("rigid", "compliant"), "stabilizer": (False, True),
@@ -31,9 +35,10 @@ def simulate(
     perturb: Mapping[str, float] | None = None,
     robot: Robot | None = None,
     obstacle: bool = True,
+    engine: str = DEFAULT,
     progress: Callable[[float], None] | None = None,
 ) -> Run:
-    """Carry a motion out in PyBullet: a fresh world each time, so that two runs are equal to the bit.
+    """Carry a motion out in the physics: a fresh world each time, so that two runs are equal to the bit.
 
     Args:
         motion: from plan or Motion.load.
@@ -44,10 +49,11 @@ def simulate(
         perturb: what is otherwise than planned, by name: simulation.disturbances.Disturbances.
         robot: the motion's own unless given.
         obstacle: put the bare obstacle into the world.
+        engine: the physics engine, by its name in simulation.engine.
         progress: called now and then with the share done, 0 to 1.
 
     Raises:
-        InvalidInput: an option that is not available, or a robot that the motion is not for.
+        InvalidInput: an option or an engine that is not available, or a robot that the motion is not for.
     """
     require_type("motion", motion, Motion, "what plan(...) or Motion.load(...) returns")
     how = {"actuators": actuators, "sole": sole, "stabilizer": stabilizer}
@@ -60,13 +66,15 @@ def simulate(
     require_type("robot", robot, Robot, "load_robot(...)")
     if list(motion.joint_names) != robot.body.joint_names:
         raise InvalidInput(f"the motion is for {motion.robot!r}: its joints are not those of {robot.name!r}")
-    beam = disturbances.obstacle(motion.obstacle)
+    build, real = engine_named(engine), disturbances.obstacle(motion.obstacle)
+    scene = Scene(robot, (real,) if obstacle else (), actuators, sole, disturbances)
     begin = time.perf_counter()
-    with World(robot, beam if obstacle else None, sole, disturbances) as world:
-        recording, fall = carry_out(
-            world, robot, motion, disturbances, actuators == "limited", stabilizer, progress or (lambda share: None)
-        )
+    with build(scene) as world:
+        recording = Recording(motion, world)
+        controller = Stabilizer(robot, motion, rubber=sole == "compliant") if stabilizer else None
+        observers = [recording, *([Progress(progress)] if progress else [])]
+        fall = carry_out(world, motion, commands_of(controller, motion, world), observers)
     factor = float(motion.time[recording.count - 1] - motion.time[0]) / (time.perf_counter() - begin)
-    rectangle = Obstacle(height=beam[2], width=beam[1]).profile(beam[0], margins=False)
-    rest = {**how, "perturb": dict(perturb or {}), "realtime_factor": factor}
+    rectangle = Obstacle(height=real[2], width=real[1]).profile(real[0], margins=False)
+    rest = {**how, "perturb": dict(perturb or {}), "engine": engine, "realtime_factor": factor}
     return measured(robot, motion, recording, fall, rectangle, rest)

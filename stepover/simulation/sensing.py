@@ -6,9 +6,7 @@ import numpy as np
 
 from stepover.control.sensors import Sensed
 from stepover.model.pose import Rotation, cross, product, unit
-from stepover.model.robot import Robot
-from stepover.simulation.disturbances import Disturbances
-from stepover.simulation.pybullet.world import World
+from stepover.simulation.engine import Engine
 from stepover.simulation.touch import Touch
 
 STILL = Rotation.identity()
@@ -18,25 +16,24 @@ STILL = Rotation.identity()
 class Senses:
     """Encoders, IMU with an attitude filter, and a six-axis sensor in each ankle, read once a sample of the motion."""
 
-    def __init__(self, robot: Robot, world: World, disturbances: Disturbances, period: float) -> None:
-        """Begin with the robot at rest; period [s] between readings."""
-        self._world, self._disturbances, self._period = world, disturbances, period
-        self._ankles = [world.joints[robot.body.column(robot.leg(side).joints[-1]) - 7] for side in (1, -1)]
-        self._random = np.random.default_rng(int(disturbances.seed))
-        self._upright = _upright(disturbances.gravity).as_quat().tolist()
+    def __init__(self, engine: Engine, period: float) -> None:
+        """Sense a world, with a period [s] between readings."""
+        self._engine, self._disturbances, self._period = engine, engine.scene.disturbances, period
+        self._random = np.random.default_rng(int(self._disturbances.seed))
+        self._upright = _upright(self._disturbances.gravity).as_quat().tolist()
         self._readings: list[Sensed] = []
 
     def read(self, touch: Touch) -> None:
         """Take the readings of now."""
         d, add = self._disturbances, self._noise
-        angles, _ = self._world.joint_motion(self._world.joints)
-        pose, twist = self._world.base_motion()
+        angles, _ = self._engine.joints()
+        turn, rate = self._engine.imu()
         shake = Rotation.from_rotvec(add(np.zeros(3), np.radians(d.noise_attitude))) if d.noise_attitude else STILL
-        attitude = product(product(self._upright, unit(pose[3:].tolist())), shake.as_quat().tolist())
-        wrenches = [self._at_ankle(link, wrench) for link, wrench in zip(self._ankles, touch.feet, strict=True)]
+        attitude = product(product(self._upright, unit(turn.tolist())), shake.as_quat().tolist())
+        wrenches = [self._at_ankle(foot, wrench) for foot, wrench in enumerate(touch.feet)]
         noisy = [np.concatenate([add(w[:3], d.noise_force), add(w[3:], d.noise_moment)]) for w in wrenches]
         self._readings.append(
-            Sensed(add(angles, d.noise_joints), np.array(attitude), add(twist[3:], d.noise_rate), noisy[0], noisy[1])
+            Sensed(add(angles, d.noise_joints), np.array(attitude), add(rate, d.noise_rate), noisy[0], noisy[1])
         )
 
     def late(self, age: float) -> Sensed:
@@ -47,10 +44,10 @@ class Senses:
         share = whole - back
         return newer if whole == 0 else older if share < 1e-9 else _between(older, newer, share)
 
-    def _at_ankle(self, link: int, wrench: np.ndarray) -> np.ndarray:
+    def _at_ankle(self, foot: int, wrench: np.ndarray) -> np.ndarray:
         """A wrench about the world's origin as the sensor in an ankle has it."""
-        place, axes = self._world.link_frame(link)
-        moment = wrench[3:] - cross(place, wrench[:3].tolist())
+        place, axes = self._engine.ankle(foot)
+        moment = wrench[3:] - cross(place.tolist(), wrench[:3].tolist())
         return np.concatenate([wrench[:3] @ axes, moment @ axes])
 
     def _noise(self, value: np.ndarray, deviation: float) -> np.ndarray:

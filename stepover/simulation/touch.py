@@ -1,10 +1,13 @@
-"""What touches the robot, out of PyBullet's contact points."""
+"""What touches the robot, out of an engine's contact points."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+
+from stepover.simulation.engine import FLOOR, NO_FOOT, Contacts
 
 
 class Touch(NamedTuple):
@@ -27,35 +30,25 @@ NOTHING = Touch(np.zeros((2, 6)), np.zeros(6), set(), {})
 """Nothing touches the robot."""
 
 
-def summed_up(
-    on_floor: list[tuple], on_obstacle: list[tuple], feet: dict[int, int], links: dict[int, str], steps: int
-) -> Touch:
+def summed_up(contacts: Contacts, links: Sequence[str], steps: int) -> Touch:
     """Means and findings over some steps.
 
     Args:
-        on_floor: contact points that bear on the floor.
-        on_obstacle: contact points that touch the obstacle.
-        feet: row in Touch.feet by the index of a link.
-        links: names by the index of a link.
-        steps: time steps that the contacts are of.
+        contacts: of all the steps.
+        links: names that Contacts.link counts.
+        steps: how many steps they are of.
     """
-    wrenches = _wrenches(on_floor) / steps
-    foot = np.array([feet.get(c[3], -1) for c in on_floor], dtype=int)
+    floor = contacts.touched == FLOOR
+    wrenches, foot = _wrenches(contacts.position[floor], contacts.force[floor]) / steps, contacts.foot[floor]
     each = np.array([wrenches[foot == row].sum(axis=0) for row in range(2)])
-    others = {links[c[3]] for c in on_floor if c[3] not in feet}
+    others = {links[link] for link in contacts.link[floor][foot == NO_FOOT]}
     depths: dict[str, float] = {}
-    for contact in on_obstacle:
-        name = links[contact[3]]
-        depths[name] = max(-contact[8], depths.get(name, 0.0))
+    for link, depth in zip(contacts.link[~floor].tolist(), contacts.depth[~floor].tolist(), strict=True):
+        depths[links[link]] = max(depth, depths.get(links[link], 0.0))
     return Touch(each, wrenches.sum(axis=0), others, depths)
 
 
-def _wrenches(contacts: list[tuple]) -> np.ndarray:
-    """Forces and moments (C, 6) about the world's origin that contact points give to the robot."""
-    if not contacts:
-        return np.zeros((0, 6))
-    numbers = np.array([(*c[6], *c[7], *c[11], *c[13], c[9], c[10], c[12]) for c in contacts])
-    place, normal, first, second, sizes = (numbers[:, i : i + 3] for i in range(0, 15, 3))
-    force = sizes[:, :1] * normal + sizes[:, 1:2] * first + sizes[:, 2:] * second
+def _wrenches(place: np.ndarray, force: np.ndarray) -> np.ndarray:
+    """Forces and moments (n, 6) about the world's origin of forces (n, 3) at places (n, 3)."""
     (px, py, pz), (fx, fy, fz) = place.T, force.T
     return np.column_stack([force, py * fz - pz * fy, pz * fx - px * fz, px * fy - py * fx])

@@ -5,8 +5,6 @@ It wraps whatever gives the commands, the stabilizer or the plan itself, and see
 
 from __future__ import annotations
 
-from typing import Protocol
-
 import numpy as np
 
 from stepover.control.estimator import Estimate
@@ -15,24 +13,14 @@ from stepover.model.pose import from_matrices
 from stepover.model.robot import Robot
 from stepover.motion.motion import Motion
 from stepover.planning.algorithm_1.step_sequence import LEG_1
+from stepover.simulation.commands import Controller
 
 THRESHOLD = 50.0
 """N at which the landing control takes the foot for landed: 9 % of HRP-2's weight."""
 
 
-class Commander(Protocol):
-    """What gives commands once a sample, as the stabilizer does."""
-
-    @property
-    def estimate(self) -> Estimate | None:
-        """Of the robot, where it makes one."""
-
-    def command(self, sample: int, sensed: Sensed) -> np.ndarray:
-        """Joint angles (nq - 7,) [rad] for a sample."""
-
-
 class AsPlanned:
-    """Commands of a motion as it is."""
+    """A controller that gives a motion as it is."""
 
     estimate: Estimate | None = None
 
@@ -56,7 +44,7 @@ class LandingControl:
         stopped: sample of the command that was the first to be held, or None.
     """
 
-    def __init__(self, robot: Robot, motion: Motion, inner: Commander, threshold: float = THRESHOLD) -> None:
+    def __init__(self, robot: Robot, motion: Motion, inner: Controller, threshold: float = THRESHOLD) -> None:
         """Wrap what gives the commands; threshold [N]."""
         step = motion.footsteps[motion.footsteps[:, 5] == LEG_1][0]
         self._inner, self._motion, self._threshold, self._side = inner, motion, threshold, int(step[1])

@@ -14,16 +14,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from stepover.analysis.landing.control import AsPlanned, LandingControl
+from stepover.control.stabilizer import Stabilizer
 from stepover.model.gravity import GRAVITY
 from stepover.model.robot import Robot
 from stepover.motion.motion import Motion
+from stepover.simulation.commands import Controller, commands_of
 from stepover.simulation.disturbances import Disturbances
-from stepover.simulation.loop import Guide, Pilot, Plan, floor_changes
-from stepover.simulation.motors import IdealMotors, Motors, steps_a_sample
-from stepover.simulation.pybullet.world import World
-from stepover.simulation.recording import Recording, has_fallen
-from stepover.simulation.servos import Servos
-from stepover.simulation.touch import NOTHING
+from stepover.simulation.engine import DEFAULT, Contacts, Engine, Scene, engine_named
+from stepover.simulation.loop import carry_out
+from stepover.simulation.observers import Observer
 
 AVERAGED = 0.005
 """s: forces are means over this time."""
@@ -73,6 +72,7 @@ def land(
     stabilizer: bool = True,
     control: bool = False,
     perturb: Mapping[str, float] | None = None,
+    engine: str = DEFAULT,
 ) -> Landing:
     """Carry a motion out until leg 1 has landed, and read the force.
 
@@ -84,43 +84,41 @@ def land(
         stabilizer: with or without it.
         control: whether a LandingControl stops the descent.
         perturb: as in simulate.
+        engine: as in simulate.
     """
-    disturbances, dt = Disturbances.read(perturb or {}, motion), robot.simulation.time_step
-    steps, touch_down = steps_a_sample(motion, dt), motion.samples(1).stop
+    disturbances = Disturbances.read(perturb or {}, motion)
+    actuators = "limited" if limited else "ideal"
+    scene = Scene(robot, (disturbances.obstacle(motion.obstacle),), actuators, sole, disturbances)
+    lift_off, touch_down = motion.samples(1).start, motion.samples(1).stop
     last = touch_down + round(SETTLED / motion.dt)
-    row = 0 if motion.support[touch_down - 1] < 0 else 1
-    forces, heights, fell = np.zeros((2, last, steps)), np.zeros((last, steps)), ""
-    with World(robot, motion.obstacle, sole, disturbances) as world:
-        world.reset(motion.q[0])
-        soft = limited or bool(world.passive)
-        motors: Motors = Servos(robot, world, limited) if soft else IdealMotors(world, robot.simulation)
-        guide = _guide(robot, world, motion, disturbances, steps, stabilizer, control)
-        floor = floor_changes(motion, disturbances)
-        if floor:
-            world.set_ground(1, 0.0)
-        ankle = world.joints[robot.body.column(robot.leg((1, -1)[row]).joints[-1]) - 7]
-        recording = Recording(last + 1, len(motion.joint_names), world.description.bush_height)
-        recording.add(world, NOTHING, motors.torque, motors.saturated)
-        for k in range(last):
-            for side, height in floor.get(k, ()):
-                world.set_ground(side, height)
-            course, contacts = guide.course(k + 1), []
-            for step in range(steps):
-                motors.drive(course, step)
-                world.step()
-                present = world.contacts()
-                motors.look(present)
-                forces[:, k, step] = world.touch(present, 1).feet[:, 2]
-                heights[k, step] = world.link_frame(ankle)[0][2]
-                contacts += present
-            touch = world.touch(contacts, steps)
-            recording.add(world, touch, motors.torque, motors.saturated)
-            guide.look(touch, recording)
-            fell = fell or has_fallen(robot.simulation, recording.q[k + 1, :7], motion.waist[k + 1], touch) or ""
-    time = (np.arange(last * steps) + 1) * dt - touch_down * motion.dt
-    shown = time > -(touch_down - motion.samples(1).start) * motion.dt / 2.0
-    weight = robot.body.mass * GRAVITY
-    return measured(time[shown], forces[row].ravel()[shown], heights.ravel()[shown], weight, fell)
+    force = LandingForce(0 if motion.support[touch_down - 1] < 0 else 1)
+    with engine_named(engine)(scene) as world:
+        controller = _controller(robot, motion, sole == "compliant", stabilizer, control)
+        fall = carry_out(world, motion, commands_of(controller, motion, world), [force], until=last)
+    time = (np.arange(len(force.raw)) + 1) * robot.simulation.time_step - touch_down * motion.dt
+    shown = time > -(touch_down - lift_off) * motion.dt / 2.0
+    raw, heights, weight = np.array(force.raw)[shown], np.array(force.heights)[shown], robot.body.mass * GRAVITY
+    return measured(time[shown], raw, heights, weight, fall.reason if fall else "")
+
+
+class LandingForce(Observer):
+    """Reads one foot at every time step.
+
+    Attributes:
+        raw: vertical force of the floor on the foot in each step [N].
+        heights: of the ankle at the end of each step [m].
+    """
+
+    def __init__(self, foot: int) -> None:
+        """Watch a foot, 0 left or 1 right."""
+        self._foot = foot
+        self.raw: list[float] = []
+        self.heights: list[float] = []
+
+    def stepped(self, engine: Engine, contacts: Contacts) -> None:
+        """Read force and height."""
+        self.raw.append(contacts.floor_force(self._foot)[2])
+        self.heights.append(engine.ankle(self._foot)[0][2])
 
 
 def measured(time: np.ndarray, raw: np.ndarray, heights: np.ndarray, weight: float, fell: str = "") -> Landing:
@@ -148,13 +146,7 @@ def measured(time: np.ndarray, raw: np.ndarray, heights: np.ndarray, weight: flo
     return Landing(time, raw, force, weight, float(time[first]), speed, early, peak, when, fell)
 
 
-def _guide(
-    robot: Robot, world: World, motion: Motion, disturbances: Disturbances, steps: int, stabilizer: bool, control: bool
-) -> Guide:
-    """What leads the joints: the plan, the stabilizer, or either with a landing control around it."""
-    if not (stabilizer or control):
-        return Plan(motion, steps)
-    pilot = Pilot(robot, world, motion, disturbances, steps)
-    leads = pilot.stabilizer if stabilizer else AsPlanned(motion)
-    pilot.stabilizer = LandingControl(robot, motion, leads) if control else leads  # type: ignore[assignment]
-    return pilot
+def _controller(robot: Robot, motion: Motion, rubber: bool, stabilizer: bool, control: bool) -> Controller | None:
+    """The stabilizer, or none, with a landing control around it where there is one."""
+    inner = Stabilizer(robot, motion, rubber) if stabilizer else None
+    return LandingControl(robot, motion, inner or AsPlanned(motion)) if control else inner

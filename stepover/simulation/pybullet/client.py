@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
+from stepover.errors import InvalidInput
 from stepover.model.pose import Rotation
 from stepover.model.robot import Robot
 from stepover.simulation.pybullet.description import Description
@@ -36,8 +37,11 @@ def silenced() -> Iterator[None]:
             os.close(descriptor)
 
 
-with silenced():
-    import pybullet
+try:
+    with silenced():
+        import pybullet
+except ModuleNotFoundError as error:
+    raise InvalidInput("the engine PyBullet is not installed: pip install 'stepover[pybullet]'") from error
 
 
 def load_body(robot: Robot, client: int, description: Description | None = None) -> int:

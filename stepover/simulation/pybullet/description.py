@@ -21,12 +21,9 @@ from stepover.model.robot import Robot
 from stepover.robots.files import find_mesh
 from stepover.simulation.disturbances import Disturbances
 from stepover.simulation.pybullet.rigid import Piece, child, merge_fixed, numbers_of, text_of
+from stepover.simulation.soles import BUSH, NEAR_SOLE
 
-BUSH = ("LIFT", "ROLL", "PITCH")
-"""Names of a bush's joints behind that of its foot link, from the ankle down."""
 AXES = {"LIFT": "0 0 1", "ROLL": "1 0 0", "PITCH": "0 1 0"}
-NEAR_SOLE = 1e-3
-"""m: a shape whose underside is as near to the sole belongs to the plate."""
 SMALL = 1e-4
 """m^2: inertia over mass of what is between two joints of a bush, which has no size of its own."""
 
