@@ -248,6 +248,19 @@ def test_the_force_is_that_of_simulate(robot, motion):
     assert found.weight == pytest.approx(9.81 * robot.body.mass)
 
 
+def test_pushes_count_in_a_landing(robot, motion):
+    """1,500 N from t = 4 s: simulate falls at 4.2 s, and so does the landing."""
+    push = {"push_x": 1500.0, "push_time": 4.0}
+    calm, pushed = (land(robot, motion, perturb=perturb) for perturb in ({}, push))
+    run = simulate(motion, robot=robot, actuators="limited", sole="compliant", stabilizer=True, perturb=push)
+    assert run.fall_time == pytest.approx(4.2, abs=0.1)
+    assert pushed.fell
+    assert pushed.fell in run.fall_reason
+    assert calm.fell == ""
+    assert abs(pushed.peak - calm.peak) > 50.0 or np.isnan(pushed.peak)
+    assert len(pushed.raw) == len(calm.raw)
+
+
 # The landing control
 
 
