@@ -90,7 +90,7 @@ def unit(measure, height, what, call):
 @heights
 def test_steps_and_feet(measure, robot, height):
     def call(at):
-        level = at.plan.effort.level
+        level = at.plan.options.level
         sequence = extra_zmp(robot, step_sequence(robot, at.obstacle, at.plan.key, robot.rest_zmp()), level)
         feet_trajectories(robot, at.obstacle, sequence, extra_shape(robot, level))
 
@@ -100,7 +100,7 @@ def test_steps_and_feet(measure, robot, height):
 @heights
 def test_com_and_waist(measure, robot, height):
     def call(at):
-        com_and_waist(robot, at.plan.sequence, at.plan.key, waist_delay(robot, at.plan.effort.level))
+        com_and_waist(robot, at.plan.sequence, at.plan.key, waist_delay(robot, at.plan.options.level))
 
     unit(measure, height, "3 CWTG1", call)
 
@@ -108,7 +108,7 @@ def test_com_and_waist(measure, robot, height):
 @heights
 def test_inverse_kinematics(measure, robot, height):
     def call(at):
-        whole_body(robot, at.waist, at.plan.feet, at.plan.upper.q, at.plan.sequence.time)
+        whole_body(robot, at.waist, at.plan.nominal.feet, at.plan.nominal.upper.q, at.plan.sequence.time)
 
     unit(measure, height, "4 IK", call)
 
@@ -116,7 +116,7 @@ def test_inverse_kinematics(measure, robot, height):
 @heights
 def test_upper_body(measure, robot, height):
     def call(at):
-        upper_body(robot, at.plan.sequence, at.plan.feet, at.plan.first_stage, at.plan.effort.arms)
+        upper_body(robot, at.plan.sequence, at.plan.nominal.feet, at.plan.nominal.first_stage, at.plan.options.arms)
 
     unit(measure, height, "5 UBMG", call)
 
@@ -133,7 +133,7 @@ def test_dynamic_filter(measure, robot, height):
 @heights
 def test_feet_adaptor(measure, robot, height):
     def call(at):
-        adapt_feet(robot, at.obstacle, at.plan.sequence, at.filtered, at.plan.feet)
+        adapt_feet(robot, at.obstacle, at.plan.sequence, at.filtered, at.plan.nominal.feet)
 
     unit(measure, height, "7 FTA, one pass", call)
 

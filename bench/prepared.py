@@ -10,7 +10,7 @@ import numpy as np
 from stepover.model.obstacle import Obstacle
 from stepover.model.robot import Robot
 from stepover.planning.algorithm_1.dynamic_filter import filtered_waist
-from stepover.planning.algorithm_1.planned import Plan
+from stepover.planning.algorithm_1.plan import Plan
 from stepover.planning.algorithm_1.planner import plan_in_detail, whole_body
 from stepover.planning.algorithm_1.upper_body import moved
 from stepover.robots.loading import load_robot
@@ -46,8 +46,8 @@ def ready(height: float, number: int) -> Ready:
     """What stands ready for the units, for the obstacle of a number, from 0, at a height [m]."""
     robot, obstacle = load(), Obstacle(height + HIGHER * number, WIDTH)
     plan = plan_in_detail(robot, obstacle, look_for_nearest=False)
-    waist = moved(plan.first_stage.waist, plan.upper.waist_shift)
-    q = whole_body(robot, waist, plan.feet, plan.upper.q, plan.sequence.time)
+    waist = moved(plan.nominal.first_stage.waist, plan.nominal.upper.waist_shift)
+    q = whole_body(robot, waist, plan.nominal.feet, plan.nominal.upper.q, plan.sequence.time)
     zmp = robot.body.zmp(q, robot.walk.sample_time)
     return Ready(obstacle, plan, waist, q, zmp, filtered_waist(robot, waist, plan.sequence.zmp, zmp))
 

@@ -14,7 +14,7 @@ from stepover.control.sensors import Sensed
 from stepover.model.pose import from_matrices
 from stepover.model.robot import Robot
 from stepover.motion.motion import Motion
-from stepover.planning.algorithm_1.step_sequence import LEG_1
+from stepover.planning.steps import LEG_1
 
 THRESHOLD = 50.0
 """N at which the landing control takes the foot for landed: 9 % of HRP-2's weight."""
