@@ -1,4 +1,4 @@
-"""The crossing before it was adapted, and what each unit buys."""
+"""The crossing before it was adapted, and what each unit contributes."""
 
 import re
 
@@ -62,7 +62,7 @@ def test_at_15_cm_nothing_is_needed(robot, obstacle, planned):
     assert min(row.free for row in rows) >= 0.0
 
 
-def test_at_25_cm_each_unit_buys_something_and_only_all_of_it_is_enough(robot, high, crossing):
+def test_at_25_cm_each_unit_contributes_something_and_only_all_of_it_is_enough(robot, high, crossing):
     rows = {row.units: row for row in stages.contributions(robot, high, crossing.key, crossing.options.level)}
     *some, everything = rows.values()
     assert all(re.search("LINK|out of reach|over-stretches|limit", row.reason) for row in some)
