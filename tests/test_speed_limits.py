@@ -11,8 +11,9 @@ from stepover import Infeasible, InvalidInput, Obstacle, load_robot, plan, simul
 from stepover.planning.algorithm_1.beyond_paper import extra_zmp, waist_delay
 from stepover.planning.algorithm_1.com_waist import com_and_waist
 from stepover.planning.algorithm_1.planner import plan_in_detail
-from stepover.planning.algorithm_1.step_sequence import LEG_2, step_sequence
+from stepover.planning.algorithm_1.step_sequence import step_sequence
 from stepover.planning.checks import measure, require, require_speeds
+from stepover.planning.steps import LEG_2
 
 HEIGHTS = (0.15, 0.20, 0.22, 0.24, 0.25)
 
@@ -69,7 +70,7 @@ def test_a_motion_that_is_too_fast_is_refused_by_joint_speed_and_time(robot, mot
 
 def test_without_extras_nothing_beyond_the_paper_is_used(robot):
     found = plan_in_detail(robot, Obstacle(0.15, 0.05), speed_limits="respect", extras=False, look_for_nearest=False)
-    assert found.effort.level == 0
+    assert found.options.level == 0
     require_speeds(robot, found.motion)
 
 

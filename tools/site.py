@@ -21,7 +21,7 @@ from stepover.errors import StepOverError
 from stepover.locations import checkout
 from stepover.model.obstacle import Obstacle
 from stepover.planning.algorithm_1.planner import plan
-from stepover.planning.algorithm_1.step_sequence import LEG_1
+from stepover.planning.steps import LEG_1
 from stepover.report import viewer
 from stepover.reproduction.run import OUTPUT, find_notebooks, run_notebook
 from stepover.robots.loading import load_robot

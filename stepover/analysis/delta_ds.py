@@ -16,7 +16,8 @@ from stepover.model.robot import Robot
 from stepover.planning.algorithm_1.com_waist import com_and_waist
 from stepover.planning.algorithm_1.feasibility import KeyConfiguration
 from stepover.planning.algorithm_1.preview_control import kajita_gains, track
-from stepover.planning.algorithm_1.step_sequence import LEG_1, LEG_2, step_sequence
+from stepover.planning.algorithm_1.step_sequence import step_sequence
+from stepover.planning.steps import LEG_1, LEG_2
 
 
 class Share(NamedTuple):

@@ -16,7 +16,8 @@ from stepover.model.robot import Robot
 from stepover.motion.motion import Motion
 from stepover.planning.algorithm_1.feasibility import key_configurations
 from stepover.planning.algorithm_1.feet_trajectories import feet_trajectories
-from stepover.planning.algorithm_1.step_sequence import NORMAL, step_sequence
+from stepover.planning.algorithm_1.step_sequence import Crossing, step_sequence
+from stepover.planning.steps import NORMAL
 
 
 @dataclass(frozen=True)
@@ -111,7 +112,7 @@ def planning_times(robot: Robot, obstacle: Obstacle, motion: Motion, whole: floa
 
     def planning() -> None:
         sequence = step_sequence(robot, obstacle, key_configurations(robot, obstacle)[0], robot.rest_zmp())
-        feet_trajectories(robot, obstacle, sequence)
+        feet_trajectories(Crossing(robot, obstacle, sequence))
 
     first = _median_time(planning, repeats)
     dynamics = _median_time(lambda: robot.body.contact_wrench(motion.q, motion.dt), repeats)

@@ -79,6 +79,12 @@ class Robot:
         return shapes_of(self.body)
 
     @cached_property
+    def leg_shapes(self) -> dict[int, list[int]]:
+        """Which of shapes are on the leg of a side, +1 left, -1 right: their indices."""
+        joints = {side: {self.body.index(joint) for joint in self.leg(side).joints} for side in (1, -1)}
+        return {side: [k for k, shape in enumerate(self.shapes) if shape.joint in own] for side, own in joints.items()}
+
+    @cached_property
     def own_pairs(self) -> list[tuple[Shape, Shape]]:
         """Shapes that may not meet: of the two legs, and of the arms with trunk and legs.
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from stepover.model.obstacle import Obstacle
 from stepover.model.robot import Robot
-from stepover.planning.algorithm_1.planned import Plan
+from stepover.planning.algorithm_1.plan import Plan
 from stepover.planning.checks import measure
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ from stepover.control.sensors import Sensed
 from stepover.model.pose import from_matrices
 from stepover.model.robot import Robot
 from stepover.motion.motion import Motion
-from stepover.planning.algorithm_1.step_sequence import LEG_1
+from stepover.planning.steps import LEG_1
 from stepover.simulation.commands import Controller
 
 THRESHOLD = 50.0

@@ -16,7 +16,8 @@ from stepover.model.pose import pose
 from stepover.model.robot import Robot
 from stepover.planning.algorithm_1.feasibility import KeyConfiguration
 from stepover.planning.algorithm_1.preview_control import CartMotion, kajita_gains, track
-from stepover.planning.algorithm_1.step_sequence import LEG_1, LEG_2, StepSequence
+from stepover.planning.algorithm_1.step_sequence import StepSequence
+from stepover.planning.steps import LEG_1, LEG_2
 
 
 @dataclass(frozen=True, eq=False)

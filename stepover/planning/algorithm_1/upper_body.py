@@ -20,9 +20,10 @@ from scipy.interpolate import CubicHermiteSpline
 
 from stepover.model.robot import Robot
 from stepover.planning.algorithm_1.com_waist import ComWaist
-from stepover.planning.algorithm_1.feet_trajectories import FeetTrajectories
 from stepover.planning.algorithm_1.preview_control import kajita_gains, track
-from stepover.planning.algorithm_1.step_sequence import LEG_1, LEG_2, StepSequence
+from stepover.planning.algorithm_1.step_sequence import StepSequence
+from stepover.planning.steps import LEG_1, LEG_2
+from stepover.planning.trajectories import FeetTrajectories
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,8 +10,8 @@ from stepover.analysis.stages import Stage, lead_knee, postures
 from stepover.model.kinematics import Placements
 from stepover.model.obstacle import Obstacle
 from stepover.model.robot import Robot
-from stepover.planning.algorithm_1.planned import Plan
-from stepover.planning.algorithm_1.step_sequence import LEG_1, LEG_2
+from stepover.planning.algorithm_1.plan import Plan
+from stepover.planning.steps import LEG_1, LEG_2
 from stepover.report.figures.style import (
     FIRST_STAGE,
     LEFT,
@@ -104,7 +104,7 @@ def before_and_after(planned: Plan, plain: Stage, before: Stage, after: Stage) -
 @styled
 def arms_and_lead_knee(robot: Robot, planned: Plan, stages: list[Stage]) -> Figure:
     """UBMG: p_ref2 of the arms with both its signs and the waist's answer; the waist and the lead knee by stages."""
-    motion, upper = planned.motion, planned.upper
+    motion, upper = planned.motion, planned.nominal.upper
     first, second = (planned.sequence.step(kind) for kind in (LEG_1, LEG_2))
     figure, axes = panels(2, 4.8, columns=2)
     (perturbation, knee), (answer, ahead) = axes

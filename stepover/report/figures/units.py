@@ -9,8 +9,8 @@ from stepover.analysis.key_posture import knees_from_straight
 from stepover.analysis.stages import after_adaptation, lead_knee, lead_leg_stages
 from stepover.model.obstacle import Obstacle
 from stepover.model.robot import Robot
-from stepover.planning.algorithm_1.planned import Plan
-from stepover.planning.algorithm_1.step_sequence import LEG_1, LEG_2
+from stepover.planning.algorithm_1.plan import Plan
+from stepover.planning.steps import LEG_1, LEG_2
 from stepover.report.figures.adapted import draw_obstacle
 from stepover.report.figures.style import (
     FIRST_STAGE,
@@ -40,7 +40,7 @@ def swings(robot: Robot, obstacle: Obstacle, planned: Plan) -> Figure:
     sole = np.array([[-robot.foot.heel, 0.0], [robot.foot.toe, 0.0]])
     for axis, kind in zip(axes[:, 0], (LEG_1, LEG_2), strict=True):
         step = planned.sequence.step(kind)
-        way = planned.feet.foot(step.side)[step.lift_off : step.touch_down + 1] - np.eye(1, 7)[0] * front
+        way = planned.nominal.feet.foot(step.side)[step.lift_off : step.touch_down + 1] - np.eye(1, 7)[0] * front
         colour = LEFT if step.side > 0 else RIGHT
         axis.plot(way[:, 0], way[:, 2], color=REFERENCE, lw=1.0, label="under the ankle")
         for k in range(0, len(way), every):
@@ -61,7 +61,7 @@ def swings(robot: Robot, obstacle: Obstacle, planned: Plan) -> Figure:
 @styled
 def cart(robot: Robot, planned: Plan) -> Figure:
     """CWTG1: the cart model's CoM and its ZMP, ahead and across; height and yaw of the waist."""
-    motion, first = planned.motion, planned.first_stage
+    motion, first = planned.motion, planned.nominal.first_stage
     figure, axes = panels(2, 4.4, columns=2, sharex=True)
     for axis, column in ((axes[0, 0], 0), (axes[0, 1], 1)):
         axis.plot(motion.time, first.com.zmp[:, column], color=PLANNED, lw=2.2, label="ZMP of the cart")
@@ -119,13 +119,13 @@ def upper_body(robot: Robot, obstacle: Obstacle, planned: Plan) -> Figure:
     turned, knee = axes[0]
     chest = np.degrees(motion.q[:, robot.body.column(parts.chest_yaw)])
     shoulder = motion.q[:, robot.body.column(parts.shoulders[0])]
-    turned.plot(motion.time, np.degrees(planned.first_stage.yaw), color=WAIST, label="waist, yaw")
+    turned.plot(motion.time, np.degrees(planned.nominal.first_stage.yaw), color=WAIST, label="waist, yaw")
     turned.plot(motion.time, chest, color=PLANNED, label="chest against the waist")
     turned.plot(motion.time, np.degrees(shoulder - shoulder[0]), color=FIRST_STAGE, label="arms, back")
     turned.set(ylabel="angle [deg]", xlabel="time [s]")
     turned.margins(y=0.1)
     time_axis(axes[:, 0], motion, names="short")
-    stages = lead_leg_stages(robot, obstacle, planned)
+    stages = lead_leg_stages(planned)
     looks = (("arms at rest, step 3", stages[0], REFERENCE, "--"), ("arms furthest back", stages[1], FIRST_STAGE, "-"),
              ("the plan, step 7", after_adaptation(planned), PLANNED, "-"))  # fmt: skip
     for name, stage, colour, line in looks:

@@ -8,7 +8,7 @@ from stepover.analysis.key_posture import knees_from_straight
 from stepover.analysis.stages import after_adaptation, postures
 from stepover.model.robot import Robot
 from stepover.model.self_collision import self_clearance
-from stepover.planning.algorithm_1.planned import Plan
+from stepover.planning.algorithm_1.plan import Plan
 from stepover.planning.checks import measure
 from stepover.report.tables.table import Table, table
 
