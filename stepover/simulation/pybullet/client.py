@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
+from stepover.extras import needs
 from stepover.model.pose import Rotation
 from stepover.model.robot import Robot
 from stepover.simulation.pybullet.description import Description
@@ -36,7 +37,7 @@ def silenced() -> Iterator[None]:
             os.close(descriptor)
 
 
-with silenced():
+with needs("simulate"), silenced():
     import pybullet
 
 
