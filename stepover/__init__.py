@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from stepover.robots.loading import load_robot
     from stepover.simulation.run import simulate
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 _HOMES = {
     "CorruptMotion": "stepover.errors",

@@ -16,12 +16,19 @@ from typing import Any, NoReturn
 import click
 
 from stepover.errors import Infeasible, StepOverError
+from stepover.extras import needs
 
 DONE, BAD_INPUT, INFEASIBLE, NOT_CROSSED, INTERRUPTED = 0, 2, 3, 4, 130
 
 
 class Commands(click.Group):
     """A group of commands whose errors are one line on stderr, with our exit codes."""
+
+    def add_command(self, cmd: click.Command, name: str | None = None) -> None:
+        """Add a command; where it lacks an optional library, its error names the extra that has it."""
+        if cmd.callback is not None:
+            cmd.callback = needs(str(cmd.name))(cmd.callback)
+        super().add_command(cmd, name)
 
     def main(self, *args: Any, **options: Any) -> Any:
         """Run a command and leave with its exit code."""

@@ -20,7 +20,6 @@ from stepover.model.obstacle import Obstacle
 from stepover.planning.algorithm_1.plan import Plan
 from stepover.planning.algorithm_1.planner import plan_in_detail
 from stepover.planning.checks import measure
-from stepover.simulation.run import simulate
 from stepover.studies.study import Row, make_table, read_rows, robot_of, rounded
 
 
@@ -115,6 +114,8 @@ def cross(point: Point) -> Row:
         return dataclasses.asdict(dataclasses.replace(row, reason=error.constraint))
     row = _planned(row, point, found)
     if point.physics:
+        from stepover.simulation.run import simulate  # here: plans alone need no PyBullet
+
         run = simulate(found.motion, robot=robot)
         row = dataclasses.replace(
             row, crossed=run.crossed, simulated_clearance=rounded(run.clearance_min), reason=run.explanation

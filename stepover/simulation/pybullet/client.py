@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from stepover.errors import InvalidInput
+from stepover.extras import needs
 from stepover.model.pose import Rotation
 from stepover.model.robot import Robot
 from stepover.simulation.pybullet.description import Description
@@ -37,11 +37,8 @@ def silenced() -> Iterator[None]:
             os.close(descriptor)
 
 
-try:
-    with silenced():
-        import pybullet
-except ModuleNotFoundError as error:
-    raise InvalidInput("the engine PyBullet is not installed: pip install 'stepover[pybullet]'") from error
+with needs("simulate"), silenced():
+    import pybullet
 
 
 def load_body(robot: Robot, client: int, description: Description | None = None) -> int:
