@@ -1,4 +1,4 @@
-"""What the units contribute: clearance by combination, the highest obstacles with and without yaw, the plane of obstacles."""
+"""What the units contribute, the highest obstacles with and without yaw, and the plane of obstacles."""
 
 from __future__ import annotations
 
