@@ -48,7 +48,7 @@ def reproduce(top: Path, only: str | None = None, parameters: dict[str, str] | N
         parameters: own values for the notebooks' parameters.
 
     Returns:
-        What was written: the figures and, without values of one's own, figures/claims.json and README.md.
+        What was written: the figures and, without values of one's own, figures/claims.json and the pages of claims.
 
     Raises:
         InvalidInput: an unknown notebook or parameter, or a value of the wrong type: nothing has run then. Or records
