@@ -185,6 +185,24 @@ def test_commands_of_the_pages_exist():
     assert set(re.findall(r"\bmake ([a-z]+)", README)) - {"and"} <= targets
 
 
+def links(text):
+    """Targets of all links in a markdown text."""
+    return re.findall(r"\]\(([^)\s]+)\)", re.sub(r"```.*?```", "", text, flags=re.DOTALL))
+
+
+def check_links(text, folder, place=None):
+    """Every relative link and anchor of a text in a folder holds in a checkout, as GitHub resolves them."""
+    for target in links(text):
+        if target.startswith(("https://", "http://")):
+            continue
+        path, _, part = target.partition("#")
+        found = (folder / path).resolve() if path else place
+        assert found.is_relative_to(TOP), target
+        assert found.exists(), target
+        if part:
+            assert part in {anchor(head) for head in re.findall(r"^#+ (.*)$", found.read_text(), re.MULTILINE)}, target
+
+
 def anchor(head):
     """GitHub's address of a head."""
     return re.sub(r"[^\w\- ]", "", head.lower()).replace(" ", "-")
@@ -192,16 +210,19 @@ def anchor(head):
 
 @pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: str(path.relative_to(TOP)))
 def test_links_lead_somewhere(document):
-    """Relative links and anchors hold in a checkout, as GitHub resolves them."""
-    for target in re.findall(r"\]\(([^)\s]+)\)", re.sub(r"```.*?```", "", document.read_text(), flags=re.DOTALL)):
-        if target.startswith(("https://", "http://")):
-            continue
-        path, _, part = target.partition("#")
-        place = (document.parent / path).resolve() if path else document
-        assert place.is_relative_to(TOP), f"{document.name}: {target}"
-        assert place.exists(), f"{document.name}: {target}"
-        if part:
-            assert part in {anchor(head) for head in re.findall(r"^#+ (.*)$", place.read_text(), re.MULTILINE)}, target
+    check_links(document.read_text(), document.parent, document)
+
+
+@pytest.mark.parametrize("notebook", sorted((TOP / "notebooks").glob("*.ipynb")), ids=lambda path: path.stem)
+def test_links_of_notebooks_lead_somewhere(notebook):
+    cells = nbformat.read(notebook, as_version=4).cells
+    check_links("\n".join(cell.source for cell in cells if cell.cell_type == "markdown"), notebook.parent, notebook)
+
+
+@pytest.mark.parametrize("target", ["no_such.md", "README.md#no-such-heading", "docs/claims.md#no-such-claim", "../.."])
+def test_a_broken_link_is_found(target):
+    with pytest.raises(AssertionError):
+        check_links(f"[a link]({target})", TOP, TOP / "README.md")
 
 
 def test_every_figure_and_notebook_is_listed():

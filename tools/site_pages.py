@@ -14,7 +14,7 @@ import nbformat
 FILES = "figures", "data", "bench"
 """Folders that pages link into, and that the site holds at the same place."""
 BESIDE = "LICENSE", "CITATION.cff"
-"""Files at the top that pages link to."""
+"""Files of the top folder that pages link to."""
 RESULTS = "docs/claims", "docs/figures"
 GUIDES = "docs/own_robot", "docs/command_line"
 """Pages of docs/ with a caption of their own in the navigation."""
@@ -22,7 +22,7 @@ VIEWS = "crossings"
 WIDGET = "application/vnd.jupyter.widget-view+json"
 CROSSINGS = """# The crossings in 3-D
 
-Turn them with the mouse, play, pause, scrub, or slow them down to a tenth. They need WebGL and nothing else;
+You can turn each view with the mouse, play, pause, scrub, or slow down to a tenth. The pages need only WebGL.
 `python -m stepover view` makes such a page of any motion.
 """
 FRAME = """
@@ -36,12 +36,12 @@ FRAME = """
 
 
 def lay_out(top: Path, notebooks: Iterable[Path], titles: dict[str, str], pages: Path) -> None:
-    """Write everything that Sphinx reads, at the places that it has in the checkout, so that its links hold.
+    """Write everything that Sphinx reads, in the layout of the checkout, so that all links work.
 
     Args:
         top: the checkout.
         notebooks: executed.
-        titles: of the 3-D views, by the name of their file.
+        titles: of the 3-D views, by file name.
         pages: folder to be made.
     """
     for folder in (*FILES, "docs", "stepover"):
@@ -80,7 +80,7 @@ def contents(readme: str, pages: Path) -> str:
 
 
 def for_readers(notebook: Any) -> Any:
-    """An executed notebook without what says nothing to a reader: where its figures went, widgets without a kernel."""
+    """An executed notebook without the path of its figures and without widgets, which need a kernel."""
     notebook.cells = [cell for cell in notebook.cells if "injected-parameters" not in cell.metadata.get("tags", [])]
     for cell in notebook.cells:
         if cell.cell_type == "code":

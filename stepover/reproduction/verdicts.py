@@ -1,4 +1,4 @@
-"""All claims together: gather what the notebooks recorded into figures/claims.json and the generated pages."""
+"""Gather the records of all notebooks into figures/claims.json and the generated pages."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ RECORDED = ("measured", "verdict", "reason", "parameters", "versions")
 
 
 def take_records(folder: Path) -> list[Entry]:
-    """Take the records out of a notebook's staging folder, so that only its figures are left there."""
+    """Take the records out of a notebook's staging folder, so that only its figures remain there."""
     rows: list[Entry] = []
     for path in sorted(folder.glob(f"*{SUFFIX}")):
         rows += json.loads(path.read_text())
@@ -31,13 +31,13 @@ def take_records(folder: Path) -> list[Entry]:
 def gather(top: Path, found: Mapping[str, list[Entry]], whole: bool) -> list[Path]:
     """Write figures/claims.json, docs/claims.md, docs/figures.md and README's block.
 
-    A number that depends on the machine stays as it is stored while its verdict, reason and versions are the same: so
-    whoever reproduces the claims sees no difference where there is none. To store a new one, delete the old entry.
+    A number that depends on the machine keeps its stored value while verdict, reason and versions stay the same. So a
+    new run shows no difference where there is none. To store a new value, delete the old entry.
 
     Args:
-        top: the checkout, with data/claims.toml; without that file nothing is to be judged.
-        found: records by notebook, of those that ran.
-        whole: whether all notebooks ran; else the records of the others stay as they were.
+        top: the checkout, with data/claims.toml; without that file there are no claims to judge.
+        found: the records of the notebooks that ran, by notebook.
+        whole: whether all notebooks ran; otherwise the records of the others stay unchanged.
 
     Returns:
         The files that were written.
@@ -60,7 +60,7 @@ def gather(top: Path, found: Mapping[str, list[Entry]], whole: bool) -> list[Pat
     for notebook, records in found.items():
         for row in records:
             if row["id"] not in claims or claims[row["id"]].notebook != notebook:
-                raise InvalidInput(f"notebook {notebook} records {row['id']!r}, which is no claim of it in {source}")
+                raise InvalidInput(f"notebook {notebook} records {row['id']!r}, but {source} has no such claim of it")
             stays = claims[row["id"]].varies and _as_before(row, before.get(row["id"], {}))
             rows[row["id"]] = before[row["id"]] if stays else row
     missing = [name for name, one in claims.items() if name not in rows and (whole or one.notebook in found)]
@@ -101,12 +101,12 @@ def _write(text: str, file: BinaryIO) -> None:
 
 
 def _as_before(row: Entry, before: Entry) -> bool:
-    """Whether a record says what is stored, but for its numbers."""
+    """Whether a record equals the stored one, except for its numbers."""
     return all(row[name] == before.get(name) for name in ("verdict", "reason", "versions"))
 
 
 def entry(claim: Claim, record: Entry) -> Entry:
-    """What claims.json holds of a claim."""
+    """The entry of a claim in claims.json."""
     said = dataclasses.asdict(claim)
     measured = {name: record[name] for name in RECORDED}
     first = {name: said[name] for name in ("id", "section", "statement", "paper", "unit")}
@@ -115,7 +115,7 @@ def entry(claim: Claim, record: Entry) -> Entry:
 
 
 def read_entries(path: Path) -> list[Entry]:
-    """What claims.json holds; nothing where there is no such file.
+    """The entries of claims.json; none if there is no such file.
 
     Raises:
         InvalidInput: it is not a list of claims.
