@@ -139,5 +139,5 @@ def test_feet_adaptor(measure, robot, height):
 
 
 @heights
-def test_verdict(measure, robot, height):
-    unit(measure, height, "verdict", lambda at: require(robot, at.obstacle, at.plan.motion))
+def test_checks(measure, robot, height):
+    unit(measure, height, "checks", lambda at: require(robot, at.obstacle, at.plan.motion))
