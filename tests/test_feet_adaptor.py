@@ -127,12 +127,12 @@ def test_all_three_end_clear(robot, high):
 def test_looking_closer_step_by_step_misses_no_way(robot, high):
     obstacle, sequence, waist, feet = high
     result = adapt_feet(robot, obstacle, sequence, waist, feet)
-    adaptor = robot.adaptor
+    adaptor, every = robot.adaptor, round(robot.adaptor.look_every / robot.walk.sample_time)
     raises = np.arange(0.0, adaptor.raise_max + 1e-9, adaptor.raise_step)
     shifts = np.arange(0.0, adaptor.shift_max + 1e-9, adaptor.shift_step)
     ways = np.array([(height, shift) for height in raises for shift in shifts])
-    stance = stance_clearances(robot, obstacle, sequence, waist, feet, ways[:, 0], adaptor.look_every)
-    free = np.minimum(stance, swing_clearances(robot, obstacle, sequence, waist, feet, ways, adaptor.look_every))
+    stance = stance_clearances(robot, obstacle, sequence, waist, feet, ways[:, 0], every)
+    free = np.minimum(stance, swing_clearances(robot, obstacle, sequence, waist, feet, ways, every))
     enough = np.flatnonzero(free >= adaptor.spare)
     assert 0 < len(enough) < 0.9 * len(ways)
     np.testing.assert_allclose([result.raised, result.shift], ways[enough[0]])

@@ -157,7 +157,7 @@ def test_derived_figures_are_those_of_the_model(jvrc1):
     assert jvrc1.preview.com_height == pytest.approx(jvrc1.body.com(placed)[0, 2], abs=5e-4)
     assert jvrc1.posture.feet_apart == pytest.approx(2.0 * jvrc1.body.origin("L_HIP_P")[1][1])
     straight = np.degrees(jvrc1.leg(1).meeting_axes.straight)
-    assert jvrc1.verdict.knee_margin_deg - straight == pytest.approx(5.0, abs=0.1)
+    assert jvrc1.checks.knee_margin_deg - straight == pytest.approx(5.0, abs=0.1)
     assert jvrc1.feasibility.knee_margin_deg - straight == pytest.approx(15.0, abs=0.1)
 
 

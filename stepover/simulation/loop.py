@@ -8,6 +8,7 @@ from typing import Protocol
 import numpy as np
 
 from stepover.control.stabilizer import Stabilizer
+from stepover.model.parameters.planning import samples
 from stepover.model.robot import Robot
 from stepover.motion.motion import Motion
 from stepover.simulation.disturbances import Disturbances
@@ -47,21 +48,22 @@ class Plan:
 class Pilot:
     """The stabilizer, which sees what the senses read and nothing else.
 
-    It works out a command from the readings of one sample before, and in the time until the next sample the motors
-    go straight to it: so the command for a sample rests on what was sensed two samples earlier, plus extra latency.
+    A command takes the motors one period to carry out, and the rest of robot.stabilizer.age to work out: so the command
+    for a sample rests on what was sensed that much earlier, plus extra latency.
     """
 
     def __init__(self, robot: Robot, world: World, motion: Motion, disturbances: Disturbances, steps: int) -> None:
         """Begin where the motion does."""
         self.stabilizer = Stabilizer(robot, motion, bool(world.passive))
         self._senses = Senses(robot, world, disturbances, motion.dt)
+        self._delay = (samples(robot.stabilizer.age, motion.dt) - 1) * motion.dt
         self._steps, self._period, self._command = steps, motion.dt, motion.q[0, 7:]
         self._senses.read(NOTHING)
 
     def course(self, sample: int) -> Course:
         """From the last command to a new one."""
         before = self._command
-        self._command = self.stabilizer.command(sample, self._senses.late(self._period))
+        self._command = self.stabilizer.command(sample, self._senses.late(self._delay))
         return straight_course(before, self._command, self._steps, self._period)
 
     def look(self, touch: Touch, recording: Recording) -> None:

@@ -7,6 +7,7 @@ from functools import lru_cache
 import numpy as np
 
 from stepover.model.obstacle import Obstacle
+from stepover.model.parameters.planning import samples
 from stepover.model.robot import Robot
 from stepover.planning.algorithm_1.feet_trajectories import FeetTrajectories, clamped_spline
 from stepover.planning.algorithm_1.step_sequence import LEG_2, Step, StepSequence
@@ -32,7 +33,7 @@ def best_way(
 
     Few samples rule most ways out: those that are not freer there than what is hopeless [m].
     """
-    every = robot.adaptor.look_every
+    every = samples(robot.adaptor.look_every, robot.walk.sample_time)
     ways = np.array([(height, shift) for height in raises for shift in shifts])  # (1), then (2) and (1) again
     asked = robot, obstacle, sequence, waist, feet
     free = np.repeat(stance_clearances(*asked, raises, every), len(shifts))
@@ -148,7 +149,7 @@ def _leg_clearances(
 
 def limits(robot: Robot, obstacle: Obstacle, sequence: StepSequence) -> tuple[np.ndarray, float]:
     """What must stay free (4,) [m], and how far knees must stay from straight [rad]."""
-    return obstacle.profile(sequence.front_face, margins=True), np.radians(robot.verdict.knee_margin_deg)
+    return obstacle.profile(sequence.front_face, margins=True), np.radians(robot.checks.knee_margin_deg)
 
 
 def displaced(feet: FeetTrajectories, step: Step, change: np.ndarray) -> FeetTrajectories:

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stepover.model.obstacle import Obstacle
-from stepover.model.parameters.planning import QuasiStatic
+from stepover.model.parameters.quasi_static import QuasiStatic
 from stepover.model.pose import pose
 from stepover.model.robot import Robot
 from stepover.planning.algorithm_1.feet_trajectories import clamped_spline
