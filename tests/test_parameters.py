@@ -5,14 +5,19 @@ from __future__ import annotations
 import dataclasses
 import re
 
+import numpy as np
 import pytest
 from conftest import HRP2
 
+from stepover import Obstacle
+from stepover.control.stabilizer import Stabilizer
 from stepover.locations import data_folder
 from stepover.model.parameters.entry import MODEL, entry_of
 from stepover.model.parameters.scaling import HRP2 as SIZE
 from stepover.model.parameters.scaling import RULES, scaled
 from stepover.model.parameters.slow import SLOW
+from stepover.planning.algorithm_1.planner import plan_in_detail
+from stepover.planning.algorithm_1.preview_control import kajita_gains
 from stepover.robots.loading import FACTS, PARAMETERS
 from tools.parameters import page
 
@@ -112,6 +117,16 @@ def test_hrp2_is_the_robot_that_the_rules_compare_with(robot):
 )
 def test_a_default_scales_with_what_its_rule_names(change, table, name, expected):
     assert scaled(PARAMETERS[table], dataclasses.replace(SIZE, **change))[name] == pytest.approx(expected, rel=1e-12)
+
+
+def test_windows_are_times_so_another_sample_time_gives_the_same_motion(robot):
+    """Half the sample time, twice the samples: the preview looks 1.6 s ahead in both."""
+    fine = dataclasses.replace(robot, walk=dataclasses.replace(robot.walk, sample_time=0.0025))
+    assert len(kajita_gains(robot.preview, 0.0025).preview) == 640
+    coarse, twice = (plan_in_detail(who, Obstacle(0.10, 0.05), look_for_nearest=False).motion for who in (robot, fine))
+    assert twice.dt == pytest.approx(0.0025)
+    np.testing.assert_allclose(twice.com[::2], coarse.com, atol=5e-5)
+    assert Stabilizer(fine, twice)._age == 2 * Stabilizer(robot, coarse)._age == 4
 
 
 def test_the_page_is_up_to_date():

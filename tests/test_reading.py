@@ -234,7 +234,7 @@ def test_an_order_that_a_default_breaks_names_both_and_the_line(tmp_path):
 @pytest.mark.parametrize(
     ("lines", "message"),
     [
-        (["[walk]", "step_lenght = 0.2"], "walk has an unknown key 'step_lenght': did you mean 'step_length'? known are"),
+        (["[walk]", "step_lenght = 0.2"], "walk has an unknown key 'step_lenght': did you mean 'step_length'? known"),
         (["[wlak]"], "has an unknown key 'wlak': did you mean 'walk'? known are"),
         (["[walk]", "step_length = 200"], "walk.step_length = 200 must be 10 m at most"),
         (["[adaptor]", "look_every = 5"], "adaptor.look_every = 5 must be 0.2 s at most"),
@@ -275,7 +275,9 @@ def own(folder, *lines, com_height=0.814):
 
 
 def test_lines_of_tables_and_keys():
-    text = '# [walk]\nname = "x"\n[outline]\nfront = [[1, 2],\n  [3, 4]]\nrear = [[1, 2]] # rear = 1\n["walk"]\n"lift" = 1\n'
+    text = (
+        '# [walk]\nname = "x"\n[outline]\nfront = [[1, 2],\n  [3, 4]]\nrear = [[1, 2]] # rear = 1\n["walk"]\n"lift" = 1'
+    )
     found = {key: line_of(text, key) for key in ("name", "outline", "outline.rear", "walk", "walk.lift", "walk.rear")}
     assert found == {"name": 2, "outline": 3, "outline.rear": 6, "walk": 7, "walk.lift": 8, "walk.rear": None}
 
@@ -284,7 +286,8 @@ ATTRIBUTES = {"urdf": "urdf_path"}
 
 
 def test_what_is_read_is_what_is_written(spoilt):
-    changed = {keys: 0.999 * value for keys, value in LEAVES.items() if isinstance(value, float) and keys[0] in PARAMETERS}
+    floats = [keys for keys in LEAVES if keys[0] in PARAMETERS and isinstance(LEAVES[keys], float)]
+    changed = {keys: 0.999 * LEAVES[keys] for keys in floats}
     robot = load_robot(spoilt(changed))
     for keys, value in (LEAVES | changed).items():
         read = robot

@@ -41,8 +41,8 @@ S1 to S8 and [13]; II ... V are sections of the paper.
 SLOWLY = """
 ## Slow motions
 
-With `speed_limits="respect"` these values take the place of a robot's own. They are HRP-2's, found at 25 cm (E), and scale
-by the rules above. `slow = false` at the top of a `robot.toml` keeps the robot's own.
+With `speed_limits="respect"` these values take the place of a robot's own. They are HRP-2's, found at 25 cm (E), and
+scale by the rules above. `slow = false` at the top of a `robot.toml` keeps the robot's own.
 
 | value | where speed limits are kept |
 |---|---|

@@ -53,18 +53,18 @@ class Robot:
     outline: Outline
     posture: Posture
     upper_body: UpperBody
-    walk: Walk = Walk()
-    feasibility: Feasibility = Feasibility()
-    stepping_over: SteppingOver = SteppingOver()
-    preview: Preview = Preview()
-    adaptor: Adaptor = Adaptor()
-    beyond_paper: BeyondPaper = BeyondPaper()
-    checks: Checks = Checks()
-    quasi_static: QuasiStatic = QuasiStatic()
-    simulation: Simulation = Simulation()
-    servo: Servo = Servo()
-    sole: SoleRubber = SoleRubber()
-    stabilizer: Stabilization = Stabilization()
+    walk: Walk = field(default_factory=Walk)
+    feasibility: Feasibility = field(default_factory=Feasibility)
+    stepping_over: SteppingOver = field(default_factory=SteppingOver)
+    preview: Preview = field(default_factory=Preview)
+    adaptor: Adaptor = field(default_factory=Adaptor)
+    beyond_paper: BeyondPaper = field(default_factory=BeyondPaper)
+    checks: Checks = field(default_factory=Checks)
+    quasi_static: QuasiStatic = field(default_factory=QuasiStatic)
+    simulation: Simulation = field(default_factory=Simulation)
+    servo: Servo = field(default_factory=Servo)
+    sole: SoleRubber = field(default_factory=SoleRubber)
+    stabilizer: Stabilization = field(default_factory=Stabilization)
     slow: Mapping[str, Any] = field(default_factory=dict)
 
     @cached_property

@@ -6,7 +6,7 @@ from stepover.model.robot import Robot
 
 
 def standing(robot: Robot) -> dict[str, float]:
-    """Waist height that puts the soles on the floor in half-sitting, and distance between the feet: [m], to a micron."""
+    """Waist height with the soles on the floor in half-sitting, and distance between the feet [m], to a micron."""
     rest = robot.half_sitting()[None]
     rest[:, 2] = 0.0
     left, right = (robot.leg(side).sole(rest[:, :7], rest[:, robot.leg(side).columns])[1][0] for side in (1, -1))

@@ -21,14 +21,12 @@ from stepover.robots.derived import com_height, standing
 from stepover.robots.files import find_urdf
 from stepover.robots.reading import WrongEntry, line_of, read_section, require_known
 
-_TABLES = {
-    field.name: (kind, field.default is MISSING)
-    for field in fields(Robot)
-    if is_dataclass(kind := get_type_hints(Robot)[field.name])
-}
-FACTS: dict[str, type[Any]] = {name: kind for name, (kind, is_fact) in _TABLES.items() if is_fact}
+TEXTS = ("name", "urdf", "root")
+_KINDS: dict[str, type[Any]] = get_type_hints(Robot)
+_TABLES = [field for field in fields(Robot) if is_dataclass(_KINDS[field.name])]
+FACTS = {field.name: _KINDS[field.name] for field in _TABLES if field.default_factory is MISSING}
 """The tables that every robot.toml has, and their dataclasses."""
-PARAMETERS: dict[str, type[Any]] = {name: kind for name, (kind, is_fact) in _TABLES.items() if not is_fact}
+PARAMETERS = {field.name: _KINDS[field.name] for field in _TABLES if field.default_factory is not MISSING}
 """The tables that a robot.toml may have: it names what differs from the defaults."""
 
 
@@ -66,21 +64,23 @@ def load_robot(robot: str | Path) -> Robot:
 
 def _robot(table: dict[str, Any], folder: Path) -> Robot:
     """The robot of a robot.toml: its facts first, then what the model derives from them, then the parameters."""
-    texts = {key: _text(table, key) for key in ("name", "urdf", "root")}
+    name, urdf, root = (_text(table, key) for key in TEXTS)
     for key in FACTS:
         if key not in table:
             raise WrongEntry(f"lacks the table {key!r}")
-    require_known(table, [*texts, *FACTS, *PARAMETERS, "slow"])
-    urdf = find_urdf(texts.pop("urdf"), folder)
+    require_known(table, [*TEXTS, *FACTS, *PARAMETERS, "slow"])
+    path = find_urdf(urdf, folder)
     unknown = dict.fromkeys(("waist_height", "feet_apart"), nan)
-    facts = {key: read_section(kind, table[key], key) for key, kind in FACTS.items() if key != "posture"}
-    posture = read_section(Posture, table["posture"], "posture", unknown)
-    bare = Robot(urdf_path=urdf, body=Body(urdf), posture=posture, **texts, **facts)
+    facts = {
+        key: read_section(kind, table[key], key, unknown if key == "posture" else {}) for key, kind in FACTS.items()
+    }
+    bare = Robot(name=name, urdf_path=path, body=Body(path), root=root, **facts)
     require_joints(bare)
     bare = replace(bare, posture=read_section(Posture, table["posture"], "posture", standing(bare)))
     require_standing(bare)
     given = {key: table.get(key, {}) for key in PARAMETERS}
-    robot = replace(bare, **{key: read_section(PARAMETERS[key], given[key], key, _defaults(bare, key)) for key in given})
+    tables = {key: read_section(kind, given[key], key, _defaults(bare, key)) for key, kind in PARAMETERS.items()}
+    robot = replace(bare, **tables)
     require_room_to_sink(robot)
     return replace(robot, slow=MappingProxyType(_slow(robot, given)) if _is_slowed(table) else {})
 

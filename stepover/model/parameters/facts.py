@@ -27,7 +27,7 @@ class Foot:
     sole_length: float = fact("m", "F_W of Fig. 2")
     heel: float = fact("m", "foot behind the ankle, as far as anything of it reaches")
     toe: float = fact("m", "foot ahead of the ankle, as far as anything of it reaches")
-    contact_x: Pair = fact("m", "flat patch that bears load, from behind to ahead of the ankle", sign="any", rising=True)
+    contact_x: Pair = fact("m", "flat patch that bears load, from heel to toe", sign="any", rising=True)
     contact_y: Pair = fact("m", "the same across, from the right to the left", sign="any", rising=True)
 
 

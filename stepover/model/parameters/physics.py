@@ -49,6 +49,4 @@ class SoleRubber:
     tilt_stiffness: float = parameter(600.0, "N m/rad", "roll and pitch", source="P S8", scale="mass")
     tilt_damping: float = parameter(60.0, "N m s/rad", "roll and pitch", source="P S8", scale="mass")
     mass: float = parameter(0.3, "kg", "of the foot's mass, that is plate", scale="mass")
-    bush_mass: float = parameter(
-        0.02, "kg", "of the foot's mass, between the bush's joints: each of two", scale="mass"
-    )
+    bush_mass: float = parameter(0.02, "kg", "of the foot's mass, between the bush's joints: each of two", scale="mass")

@@ -84,7 +84,7 @@ class SteppingOver:
     )  # fmt: skip
     leg1_top: float = parameter(0.57, "share", "highest point", source="P S2", below=("leg1_descent",))
     leg1_descent: float = parameter(
-        0.74, "share", "above the landing point, at the obstacle's height; from here on the landing shape", source="P S2"
+        0.74, "share", "above the landing point, at the obstacle's height; then the landing shape", source="P S2"
     )
     leg1_extra_lift: float = parameter(
         0.04, "m", "highest point above the obstacle with its margin", source="P S2", sign="not negative"

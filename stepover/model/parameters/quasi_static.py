@@ -39,7 +39,9 @@ class QuasiStatic:
     )
     leg1_descent: float = parameter(0.70, "share", "leg 1 is above its landing point")
     leg1_extra_lift: float = parameter(0.02, "m", "above the obstacle with its margin", sign="not negative")
-    lower_from: float = parameter(0.25, "share", "of leg 1's path at which the waist starts down", below=("lower_until",))
+    lower_from: float = parameter(
+        0.25, "share", "of leg 1's path at which the waist starts down", below=("lower_until",)
+    )
     lower_until: float = parameter(0.90, "share", "of leg 1's path at which the waist has come down")
     leg2_rise: float = parameter(
         0.42, "share", "leg 2 is above the obstacle, its toe before it", below=("leg2_descent",)

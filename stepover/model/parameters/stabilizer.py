@@ -1,6 +1,6 @@
 """Parameters of the stabilizer, as a frozen dataclass.
 
-The defaults are HRP-2's. What answers to a force goes with one over the mass, lengths with the leg or the sole; gains in
+The defaults are HRP-2's. Admittances are divided by the mass, lengths scale with the leg or the sole, and gains over
 time do not scale.
 """
 
@@ -25,9 +25,7 @@ class Stabilization:
         0.03, "share", "of the weight on a foot, from which on it stands: above what a swinging sole reads"
     )
     dcm_proportional: float = parameter(4.0, "1/s", "with which the DCM's deviation decays", source="P S7")
-    dcm_integral: float = parameter(
-        2.0, "1/s^2", "published: 15. Here the swaying CoM takes most of a lasting error"
-    )
+    dcm_integral: float = parameter(2.0, "1/s^2", "published: 15. Here the swaying CoM takes most of a lasting error")
     dcm_leak: float = parameter(3.0, "s", "in which the integral forgets: a few steps")
     dcm_integral_max: float = parameter(0.05, "m", "most of the integral's part of the desired ZMP", scale="toe")
     zmp_inset: float = parameter(0.010, "m", "desired ZMP inside the soles: less than the 15 mm of the checks")
