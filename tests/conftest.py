@@ -78,7 +78,7 @@ def spoilt(tmp_path: Path, robot_table: dict[str, Any]) -> Callable[..., Path]:
         for keys, value in changes.items():
             place = table
             for key in keys[:-1]:
-                place = place[key]
+                place = place.setdefault(key, {})
             if value is DROP:
                 del place[keys[-1]]
             else:

@@ -134,12 +134,12 @@ def test_all_three_end_clear(robot, high):
 def test_looking_closer_step_by_step_misses_no_candidate(robot, high):
     crossing, poses = high
     result = adapt_feet(crossing, poses)
-    adaptor = robot.adaptor
+    adaptor, every = robot.adaptor, round(robot.adaptor.look_every / robot.walk.sample_time)
     raises = np.arange(0.0, adaptor.raise_max + 1e-9, adaptor.raise_step)
     shifts = np.arange(0.0, adaptor.shift_max + 1e-9, adaptor.shift_step)
     candidates = np.array([(height, shift) for height in raises for shift in shifts])
-    stance = stance_clearances(crossing, poses, candidates[:, 0], adaptor.look_every)
-    free = np.minimum(stance, swing_clearances(crossing, poses, candidates, adaptor.look_every))
+    stance = stance_clearances(crossing, poses, candidates[:, 0], every)
+    free = np.minimum(stance, swing_clearances(crossing, poses, candidates, every))
     enough = np.flatnonzero(free >= adaptor.spare)
     assert 0 < len(enough) < 0.9 * len(candidates)
     np.testing.assert_allclose([result.raised, result.shift], candidates[enough[0]])

@@ -157,7 +157,7 @@ def test_derived_figures_are_those_of_the_model(jvrc1):
     assert jvrc1.preview.com_height == pytest.approx(jvrc1.body.com(placed)[0, 2], abs=5e-4)
     assert jvrc1.posture.feet_apart == pytest.approx(2.0 * jvrc1.body.origin("L_HIP_P")[1][1])
     straight = np.degrees(jvrc1.leg(1).meeting_axes.straight)
-    assert jvrc1.verdict.knee_margin_deg - straight == pytest.approx(5.0, abs=0.1)
+    assert jvrc1.checks.knee_margin_deg - straight == pytest.approx(5.0, abs=0.1)
     assert jvrc1.feasibility.knee_margin_deg - straight == pytest.approx(15.0, abs=0.1)
 
 
@@ -179,8 +179,17 @@ def test_every_figure_of_jvrc1_has_its_mark():
             assert marked or common, f"{section} {entry}"
 
 
-def test_slow_may_be_empty():
-    assert tomllib.loads((JVRC1 / "robot.toml").read_text())["slow"] == {}
+@needs_jvrc1
+def test_jvrc1_moves_no_slower_where_speed_limits_are_kept(jvrc1):
+    assert jvrc1.slow == {}
+    assert jvrc1.slowed.walk is jvrc1.walk
+
+
+@pytest.mark.parametrize("name", ["hrp2", "jvrc1"])
+def test_a_file_has_60_values_at_most(name):
+    lines = (data_folder() / name / "robot.toml").read_text().splitlines()
+    values = [line for line in lines if line.strip() and line.lstrip()[0] not in "#["]
+    assert 20 < len(values) <= 60
 
 
 def test_the_library_knows_no_robot_by_its_joints():
@@ -257,6 +266,8 @@ def test_a_sole_that_is_not_flat_or_not_on_the_floor_is_named(spoilt):
     [
         (("posture", "angles_deg", "HEAD_JOINT1"), -31.0, r"'HEAD_JOINT1' stands at -31\.0 degrees.*-30\.0 to 45\.0"),
         (("foot", "contact_x"), [-96.0, 126.0], r"contact_x = \[-96\.0, 126\.0\] must lie between heel and toe, in m"),
+        (("foot", "contact_x"), [0.01, 0.126], r"contact_x = \[0\.01, 0\.126\] must reach from behind the ankle"),
+        (("posture", "feet_apart"), 0.3, r"feet_apart = 0\.3 is far from 0\.19 m, which follows from the URDF"),
         (("legs", "knee"), ["RLEG_JOINT2", "LLEG_JOINT3"], "'RLEG_JOINT2' is no knee: .*'RLEG_JOINT3', 'LLEG_JOINT3'"),
         (("upper_body", "shoulders"), [], "must be a list of one value or more"),
     ],

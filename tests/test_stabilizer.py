@@ -56,7 +56,7 @@ def test_no_action_when_planned_equals_measured(robot, motion, wrenches):
     stabilizer = Stabilizer(robot, motion)
     worst = 0.0
     for sample in range(1, len(motion.time)):
-        then = max(sample - robot.stabilizer.age, 0)
+        then = max(sample - round(robot.stabilizer.age / motion.dt), 0)
         angles = stabilizer.command(sample, readings(robot, motion.q[then], wrenches[then]))
         worst = max(worst, float(np.abs(angles - motion.q[sample, 7:]).max()))
     assert worst < 1e-6

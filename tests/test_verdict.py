@@ -58,7 +58,7 @@ def test_a_joint_beyond_its_limit(robot, motion, obstacle, joint, degrees, beyon
 
 @pytest.mark.parametrize("side", ["L", "R"])
 def test_a_knee_too_straight(robot, motion, obstacle, side):
-    margin = robot.verdict.knee_margin_deg
+    margin = robot.checks.knee_margin_deg
     message = refusal(robot, with_angle(robot, motion, f"{side}LEG_JOINT3", 100, margin - 3.0), obstacle)
     assert message.startswith(f"{side}LEG_JOINT3")
     assert amount(message) == pytest.approx(3.0, abs=0.05)

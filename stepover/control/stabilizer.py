@@ -16,6 +16,7 @@ from stepover.control.leg_commands import LegCommands
 from stepover.control.reference import reference
 from stepover.control.sensors import Sensed
 from stepover.control.waist_control import WaistControl
+from stepover.model.parameters.planning import samples
 from stepover.model.robot import Robot
 from stepover.motion.motion import Motion
 
@@ -38,7 +39,7 @@ class Stabilizer:
         """
         planned = reference(robot, motion)
         give = 1.0 / robot.sole.vertical_stiffness if rubber else 0.0
-        self._age = robot.stabilizer.age
+        self._age = samples(robot.stabilizer.age, motion.dt)
         self._estimator = Estimator(robot, planned, give)
         self._feedback = DcmFeedback(robot, motion, planned)
         self._feet = FeetControl(robot, planned, rubber)

@@ -11,6 +11,7 @@ from stepover.model.collision import clearance, least_separation
 from stepover.model.gravity import GRAVITY
 from stepover.model.kinematics import Placements
 from stepover.model.obstacle import Obstacle
+from stepover.model.parameters.planning import samples
 from stepover.model.robot import Robot
 from stepover.model.self_collision import self_clearance
 from stepover.model.support import zmp_margin
@@ -118,14 +119,14 @@ def require(robot: Robot, obstacle: Obstacle, motion: Motion, placements: Placem
     limits = np.minimum(angles - body.lower, body.upper - angles)
     _refuse(motion, limits, body.joint_names, "degrees", "beyond its limit")
     knees = [body.column(knee) - 7 for knee in robot.legs.knee]
-    bent = np.abs(angles[:, knees]) - np.radians(robot.verdict.knee_margin_deg)
-    wanted = f"nearer to straight than {robot.verdict.knee_margin_deg:g}"
+    bent = np.abs(angles[:, knees]) - np.radians(robot.checks.knee_margin_deg)
+    wanted = f"nearer to straight than {robot.checks.knee_margin_deg:g}"
     _refuse(motion, bent, list(robot.legs.knee), "degrees", wanted)
     margin = zmp_margin(robot, motion.zmp, motion.support, motion.left_foot, motion.right_foot)
-    missing = margin[:, None] - robot.verdict.zmp_margin
+    missing = margin[:, None] - robot.checks.zmp_margin
     _refuse(motion, missing, ["the ZMP"], "mm", "short of its margin to the support polygon's edge")
     placements = placements or body.placements(motion.q)
-    every = robot.verdict.self_look_every
+    every = samples(robot.checks.self_look_every, motion.dt)
     distance, one, other, sample = self_clearance(robot.own_pairs, placements, every, up_to=0.0)
     if distance <= 0.0:
         raise Infeasible(f"{one} and {other} meet, {-1e3 * distance:.1f} mm deep, at t = {motion.time[sample]:.3f} s")

@@ -31,7 +31,7 @@ class Disturbances:
             of the motion's footsteps, as (number from 1, height [m]).
     """
 
-    friction: float | None = _of("friction between everything, instead of robot.toml's", "1", 0.01, 2.0, None)
+    friction: float | None = _of("friction between everything, instead of the robot's", "1", 0.01, 2.0, None)
     ground_leg_1: float = _of("floor under the foothold of leg 1, higher", "m", *GROUND_RANGE)
     ground_leg_2: float = _of("floor under the foothold of leg 2, higher", "m", *GROUND_RANGE)
     slope_ahead: float = _of("the floor rises ahead; the obstacle stands on it", "deg", -10.0, 10.0)

@@ -43,7 +43,7 @@ def plan(
         obstacle: the obstacle with its margins.
         arms: UBMG: "auto" swings the arms back where the lead knee needs it, "on" always, "off" never.
         speed_limits: "ignore" the joints' speed limits, as the paper's simulation does, or "respect" them by moving
-            as the tables slow.* of robot.toml say.
+            by the slow parameters (model.parameters.slow).
         extras: whether what is added beyond the paper may be used where the paper's own methods do not reach.
 
     Returns:

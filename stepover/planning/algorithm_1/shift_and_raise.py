@@ -6,6 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from stepover.model.parameters.planning import samples
 from stepover.model.robot import Robot
 from stepover.planning.algorithm_1.step_sequence import Crossing, Step, StepSequence
 from stepover.planning.leg_check import LegPosture, leg_posture, leg_separation
@@ -29,7 +30,7 @@ def best_candidate(
     Returns:
         Separation of the legs, shift and raise [m].
     """
-    every = crossing.robot.adaptor.look_every
+    every = samples(crossing.robot.adaptor.look_every, crossing.robot.walk.sample_time)
     candidates = np.array([(height, shift) for height in raises for shift in shifts])  # (1), then (2) and (1) again
     free = np.repeat(stance_clearances(crossing, poses, raises, every), len(shifts))
     for closer in (FEW * every, every):

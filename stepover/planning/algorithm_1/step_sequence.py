@@ -92,7 +92,7 @@ class Crossing:
     def limits(self) -> LegLimits:
         """What the legs must keep all along: the obstacle's margins, and the knees' margin from straight."""
         rectangle = self.obstacle.profile(self.sequence.front_face, margins=True)
-        return LegLimits(rectangle, np.radians(self.robot.verdict.knee_margin_deg))
+        return LegLimits(rectangle, np.radians(self.robot.checks.knee_margin_deg))
 
 
 def step_sequence(

@@ -135,6 +135,6 @@ def _knee_spare(
     over, leg = slice(step.lift_off, step.touch_down), robot.leg(step.side)
     waists = np.concatenate([moved(waist[over], shift[over]) for shift in shifts])
     knee, excess = leg.knee(waists, np.tile(feet.foot(step.side)[over], (len(shifts), 1)))
-    margin = np.radians(robot.verdict.knee_margin_deg + robot.upper_body.knee_spare_deg)
+    margin = np.radians(robot.checks.knee_margin_deg + robot.upper_body.knee_spare_deg)
     spare = np.where(excess > 0.0, -np.inf, np.abs(knee) - margin)
     return np.asarray(spare.reshape(len(shifts), -1).min(axis=1))

@@ -145,7 +145,7 @@ def _checked(
     """Balance postures and judge their legs against the obstacle with its margins, front face at faces (N,) [m]."""
     waist = balanced(robot, wanted, robot.quasi_static.search_rounds)[:, :7]
     rectangles = obstacle.profile(0.0, margins=True) + np.outer(np.broadcast_to(faces, len(waist)), [1, 1, 0, 0])
-    knee_margin = np.radians(robot.verdict.knee_margin_deg + knee_spare_deg)
+    knee_margin = np.radians(robot.checks.knee_margin_deg + knee_spare_deg)
     poses = WaistAndFeet(waist, FeetTrajectories(wanted.left, wanted.right))
     return check_legs(robot, poses, LegLimits(rectangles, knee_margin))
 

@@ -127,7 +127,7 @@ def arms_and_lead_knee(robot: Robot, planned: Plan, stages: list[Stage]) -> Figu
             knee.plot(time[gone], np.full(len(gone), low), color=colour, lw=3.0)
             knee.annotate(f"{1e3 * beyond.max():.1f} mm out of reach  ", (time[gone[0]], low), ha="right", va="center",
                           fontsize=8.5)  # fmt: skip
-    knee.axhline(robot.verdict.knee_margin_deg, color=OBSTACLE, ls="--", lw=1.0)
+    knee.axhline(robot.checks.knee_margin_deg, color=OBSTACLE, ls="--", lw=1.0)
     knee.axhline(0.0, color=OBSTACLE, lw=1.2)
     knee.text(motion.time[first.touch_down] - 0.6, -1.0, " straight", va="top", fontsize=8.5)
     knee.set_ylim(low - 5.0, 55.0)

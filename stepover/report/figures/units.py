@@ -99,7 +99,7 @@ def leg_joints(robot: Robot, planned: Plan) -> Figure:
         knee.plot(motion.time, bent[:, column], color=colour, label=f"{name} leg")
         own = [body.column(joint) - 7 for joint in leg.joints]
         room.plot(motion.time, spare[:, own].min(axis=1), color=colour)
-    for axis, least in ((knee, robot.verdict.knee_margin_deg), (room, 0.0)):
+    for axis, least in ((knee, robot.checks.knee_margin_deg), (room, 0.0)):
         axis.axhline(least, color=OBSTACLE, ls="--", lw=1.2, label="least allowed")
         axis.set_ylim(bottom=-4.0)
     knee.legend(loc="upper left")
@@ -131,7 +131,7 @@ def upper_body(robot: Robot, obstacle: Obstacle, planned: Plan) -> Figure:
     for name, stage, colour, line in looks:
         time, angle, _ = lead_knee(robot, stage)
         knee.plot(time, angle, color=colour, ls=line, label=name)
-    knee.axhline(robot.verdict.knee_margin_deg, color=OBSTACLE, ls="--", lw=1.2, label="margin")
+    knee.axhline(robot.checks.knee_margin_deg, color=OBSTACLE, ls="--", lw=1.2, label="margin")
     landing = motion.time[first.touch_down]
     knee.set(ylabel="from straight [deg]", xlabel="time [s]", xlim=(landing - 0.6, landing + 0.02), ylim=(0.0, 65.0))
     shade_phases(knee, motion)
