@@ -41,7 +41,7 @@ def test_no_joint_exceeds_its_speed_limit_and_all_else_is_kept(robot, slowly, he
     assert found.clearance_min >= 0.030
     assert found.zmp_margin_min >= 0.015
     assert max(found.zmp_rms) <= 0.004
-    require(robot, Obstacle(height, 0.05), motion)
+    require(robot, motion)
 
 
 @pytest.mark.parametrize(("height", "width"), [(0.2499, 0.05), (0.2501, 0.05), (0.25, 0.048), (0.25, 0.052)])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -30,6 +31,9 @@ from stepover.model.parameters.planning import (
     Walk,
 )
 from stepover.model.parameters.stabilizer import Stabilization
+
+FACTS = ("root", "legs", "foot", "outline", "posture", "upper_body")
+"""What a motion is planned for, beside URDF and meshes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,6 +76,17 @@ class Robot:
     def body(self) -> Body:
         """The multi-body model."""
         return Body(self.urdf_path)
+
+    @cached_property
+    def fingerprint(self) -> str:
+        """What the robot is, whatever its name: 16 digits of SHA-256 over URDF, collision meshes and facts."""
+        shapes = {Path(item.meshPath) for item in self.body.geometry.geometryObjects}
+        meshes = sorted(path for path in shapes if path.is_absolute())  # of a box or a cylinder it is a word
+        found = hashlib.sha256()
+        for path in (self.urdf_path, *meshes):
+            found.update(path.read_bytes())
+        found.update(repr([getattr(self, name) for name in FACTS]).encode())
+        return found.hexdigest()[:16]
 
     @cached_property
     def shapes(self) -> list[Shape]:
