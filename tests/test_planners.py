@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,40 +16,11 @@ from stepover.cli import main
 from stepover.planning.checks import require
 from stepover.planning.planner import PLANNERS, find_planner
 
-TOY = """
-import dataclasses
-
-import numpy as np
-
-from stepover.motion.footsteps import Footsteps
-from stepover.motion.motion import Motion, obstacle_row
-from stepover.model.pose import pose
-from stepover.planning.checks import require
-from stepover.planning.request import one_obstacle
-
-
-def stand_still(robot, obstacle):
-    obstacle, samples = one_obstacle(robot, obstacle), np.zeros(400)
-    q = np.tile(robot.half_sitting(), (400, 1))
-    feet = {side: pose(np.tile([0.0, side * robot.posture.feet_apart / 2.0, 0.0], (400, 1))) for side in (1, -1)}
-    zmp = robot.body.zmp(q, 0.005)
-    motion = Motion(
-        time=0.005 * np.arange(400), q=q, joint_names=np.array(robot.body.joint_names), left_foot=feet[1],
-        right_foot=feet[-1], waist=q[:, :7], com=robot.body.com(robot.body.placements(q)), zmp_reference=zmp, zmp=zmp,
-        support=samples.astype(int), phase=samples.astype(int), footsteps=Footsteps.from_rows(np.empty((0, 6))),
-        obstacles=obstacle_row(obstacle, 1.0)[None], robot=robot.name, robot_fingerprint=robot.fingerprint,
-        planner="toy",
-    )
-    require(robot, motion)
-    return motion
-"""
-
 
 @pytest.fixture
-def toy(tmp_path, monkeypatch):
+def toy(monkeypatch):
     """A planner in one new file, with its one line in the registry."""
-    (tmp_path / "toy_planner.py").write_text(TOY)
-    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.syspath_prepend(Path(__file__).parent / "files")
     monkeypatch.setitem(PLANNERS, "toy", "toy_planner:stand_still")
 
 
@@ -67,13 +39,13 @@ def test_no_planner_is_imported_before_it_is_asked_for():
 
 def test_a_new_planner_is_one_file_and_one_line(robot, toy, tmp_path):
     motion = find_planner("toy")(robot, Obstacle(0.15, 0.05))
-    require(robot, motion)
     motion.save(tmp_path / "m.npz")
     again = Motion.load(tmp_path / "m.npz")
     assert (again.planner, again.hash(), len(again.footsteps)) == ("toy", motion.hash(), 0)
 
 
 def test_the_command_line_prints_what_a_new_planner_knows(toy, tmp_path, monkeypatch):
+    """The option lists the registry as it is when the command is made, so its list is renewed here."""
     (option,) = [option for option in main.commands["plan"].params if option.name == "planner"]
     monkeypatch.setattr(option.type, "choices", tuple(PLANNERS))
     asked = ["plan", "--height", "0.15", "--width", "0.05", "--planner", "toy", "--output", str(tmp_path / "m.npz")]

@@ -100,7 +100,8 @@ def quasi_static_in_detail(
     errors = zmp_errors(robot, taken, way)
     times = durations(robot, errors, epsilon)
     motion = _motion(robot, taken, way, times)
-    require(robot, dataclasses.replace(motion, zmp=motion.com[:, :2]))  # the CoM is what must be inside
+    require(robot, motion)
+    require(robot, dataclasses.replace(motion, zmp=motion.com[:, :2]))  # the CoM must be inside as well
     return QuasiStaticPlan(motion, way, taken, errors, times, refused, epsilon)
 
 
