@@ -140,4 +140,4 @@ def test_feet_adaptor(measure, robot, height):
 
 @heights
 def test_checks(measure, robot, height):
-    unit(measure, height, "checks", lambda at: require(robot, at.obstacle, at.plan.motion))
+    unit(measure, height, "checks", lambda at: require(robot, at.plan.motion))

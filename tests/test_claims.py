@@ -444,7 +444,7 @@ class TestWhatIsMeasured:
     def test_slowest(self, motion):
         speed, when = simplifications.slowest(motion)
         assert 0.0 < speed < 0.1
-        assert motion.time[0] < when < motion.footsteps[-1, 0]
+        assert motion.time[0] < when < motion.footsteps.time[-1]
 
     def test_planning_times(self, robot, obstacle, motion):
         first, tick, in_sweeps, in_samples = simplifications.planning_times(robot, obstacle, motion, 1.0, 1)

@@ -5,6 +5,7 @@ import pytest
 
 from stepover.errors import Infeasible, TrailingLegBlocked
 from stepover.model.obstacle import Obstacle
+from stepover.motion.footsteps import LEG_2
 from stepover.planning.algorithm_1 import shift_and_raise
 from stepover.planning.algorithm_1.beyond_paper import extra_shape, extra_zmp
 from stepover.planning.algorithm_1.com_waist import com_and_waist
@@ -23,7 +24,6 @@ from stepover.planning.algorithm_1.shift_and_raise import (
 from stepover.planning.algorithm_1.step_sequence import Crossing, step_sequence
 from stepover.planning.checks import measure
 from stepover.planning.leg_check import LegLimits, check_legs
-from stepover.planning.steps import LEG_2
 from stepover.planning.trajectories import WaistAndFeet
 
 

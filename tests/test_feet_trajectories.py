@@ -9,11 +9,11 @@ from conftest import yaw_of
 from stepover import Obstacle
 from stepover.model import pose
 from stepover.model.robot import Robot
+from stepover.motion.footsteps import BEFORE, LEG_1, LEG_2
 from stepover.planning.algorithm_1.feasibility import key_configurations
 from stepover.planning.algorithm_1.feet_trajectories import feet_trajectories
 from stepover.planning.algorithm_1.step_sequence import Crossing, step_sequence
 from stepover.planning.splines import clamped_spline, landing
-from stepover.planning.steps import BEFORE, LEG_1, LEG_2
 
 HEEL, TOE, THICKNESS = 0.1056, 0.1356, 0.030  # the foot's envelope from the ankle, and its lower box's height
 DT = 0.005

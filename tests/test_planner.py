@@ -217,9 +217,9 @@ class TestFifteenCentimetres:
         assert measures.samples == len(motion.time)
         assert measures.step_over_duration == pytest.approx(3.04)
         assert measures.duration == pytest.approx(motion.time[-1])
-        assert motion.footsteps[:, 1].tolist() == [-1, 1, -1, 1, -1, 1, -1]
-        assert motion.footsteps[:, 5].tolist() == [0, 1, 2, 3, 4, 0, 0]
-        for when, side, x, y, yaw, _ in motion.footsteps:
+        assert motion.footsteps.side.tolist() == [-1, 1, -1, 1, -1, 1, -1]
+        assert motion.footsteps.kind.tolist() == [0, 1, 2, 3, 4, 0, 0]
+        for when, side, x, y, yaw, _ in motion.footsteps.rows():
             sample = round(when / motion.dt)
             np.testing.assert_allclose(motion.foot(int(side))[sample], [x, y, 0, 0, 0, np.sin(yaw / 2), 1], atol=1e-9)
         assert set(planned.planning_time) == {"feasibility", "trajectories", "total"}

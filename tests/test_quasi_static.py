@@ -148,14 +148,14 @@ def test_the_motion_is_a_motion_like_any_other(robot, slow, tmp_path):
     motion = slow.motion
     motion.save(tmp_path / "motion.npz")
     assert Motion.load(tmp_path / "motion.npz").hash() == motion.hash()
-    require(robot, slow.obstacle, motion)
+    require(robot, motion)
     assert motion.samples(1).stop == motion.samples(2).start
     assert motion.samples(2).stop == motion.samples(3).start
     assert set(motion.support[motion.samples(1)]) == {1}
     assert set(motion.support[motion.samples(3)]) == {-1}
     assert set(motion.support[motion.phase % 2 == 0]) == {0}
-    np.testing.assert_array_equal(motion.footsteps[:, [1, 5]], [[-1, 2], [1, 3]])
-    for time, side, x, y, _, _ in motion.footsteps:
+    np.testing.assert_array_equal(motion.footsteps.rows()[:, [1, 5]], [[-1, 2], [1, 3]])
+    for time, side, x, y, _, _ in motion.footsteps.rows():
         landed = motion.foot(int(side))[round(time / motion.dt) :]
         np.testing.assert_allclose(landed[:, :3], np.tile([x, y, 0.0], (len(landed), 1)), atol=1e-12)
     assert motion.key_configuration[0] == slow.path.x_ads

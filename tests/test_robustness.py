@@ -70,7 +70,7 @@ def short(motion):
     """The first 0.3 s of the motion, without a step: quick in the real physics."""
     kept = {f.name: getattr(motion, f.name)[:60] for f in dataclasses.fields(motion)
             if np.shape(getattr(motion, f.name))[:1] == motion.time.shape}  # fmt: skip
-    return dataclasses.replace(motion, **kept, footsteps=motion.footsteps[:0])
+    return dataclasses.replace(motion, **kept, footsteps=motion.footsteps.select(slice(0)))
 
 
 @pytest.fixture(scope="module")

@@ -143,10 +143,10 @@ def test_world_knows_the_robot(robot: Robot, motion: Motion) -> None:
 
 
 def test_a_higher_obstacle_is_hit_and_explained(motion: Motion, robot: Robot) -> None:
-    row = motion.obstacle.copy()
-    row[2] += 0.05
+    rows = motion.obstacles.copy()
+    rows[0, 2] += 0.05
     over = motion.samples(1)
-    run = simulate(shortened(replace(motion, obstacle=row), 0, over.stop), robot=robot)
+    run = simulate(shortened(replace(motion, obstacles=rows), 0, over.stop), robot=robot)
     assert not run.crossed
     assert run.obstacle_contacts > 0
     assert run.clearance_min < 0.0

@@ -7,8 +7,8 @@ import pytest
 
 from stepover.analysis import limits, stages
 from stepover.model.obstacle import Obstacle
+from stepover.motion.footsteps import LEG_1, LEG_2
 from stepover.planning.algorithm_1.planner import plan_in_detail
-from stepover.planning.steps import LEG_1, LEG_2
 
 
 @pytest.fixture(scope="module")

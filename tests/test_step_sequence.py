@@ -10,9 +10,9 @@ import pytest
 
 from stepover import Infeasible
 from stepover.model.support import zmp_margin
+from stepover.motion.footsteps import AFTER, BEFORE, LEG_1, LEG_2, NORMAL
 from stepover.planning.algorithm_1.planner import plan_in_detail
 from stepover.planning.algorithm_1.step_sequence import step_sequence
-from stepover.planning.steps import AFTER, BEFORE, LEG_1, LEG_2, NORMAL
 
 REST = np.array([0.01, 0.002])
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from stepover.model.obstacle import Obstacle
+from stepover.motion.footsteps import LEG_1, LEG_2
 from stepover.planning.algorithm_1.com_waist import com_and_waist
 from stepover.planning.algorithm_1.dynamic_filter import filtered_waist
 from stepover.planning.algorithm_1.feasibility import key_configurations
@@ -11,7 +12,6 @@ from stepover.planning.algorithm_1.feet_trajectories import feet_trajectories
 from stepover.planning.algorithm_1.planner import plan_in_detail
 from stepover.planning.algorithm_1.step_sequence import Crossing, step_sequence
 from stepover.planning.algorithm_1.upper_body import arm_response, upper_body, with_arms
-from stepover.planning.steps import LEG_1, LEG_2
 
 
 @pytest.fixture(scope="module")

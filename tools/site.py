@@ -20,8 +20,8 @@ from typing import Any
 from stepover.errors import StepOverError
 from stepover.locations import checkout
 from stepover.model.obstacle import Obstacle
+from stepover.motion.footsteps import LEG_1
 from stepover.planning.algorithm_1.planner import plan
-from stepover.planning.steps import LEG_1
 from stepover.report import viewer
 from stepover.reproduction.run import OUTPUT, find_notebooks, run_notebook
 from stepover.robots.loading import load_robot
@@ -62,7 +62,7 @@ def crossing(robot: str, height: float, width: float) -> str:
     """3-D page of a named robot that steps over an obstacle [m]. It opens at the landing of leg 1."""
     model = load_robot(robot)
     motion = plan(model, Obstacle(height, width))
-    (landing,) = motion.footsteps[motion.footsteps[:, 5] == LEG_1, 0]
+    (landing,) = motion.footsteps.of_kind(LEG_1).time
     return viewer.page(model, motion, float(landing))
 
 

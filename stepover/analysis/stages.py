@@ -17,6 +17,7 @@ from stepover.analysis.key_posture import knees_from_straight
 from stepover.errors import Infeasible
 from stepover.model.obstacle import Obstacle
 from stepover.model.robot import Robot
+from stepover.motion.footsteps import LEG_1, LEG_2
 from stepover.planning.algorithm_1.feasibility import KeyConfiguration
 from stepover.planning.algorithm_1.feet_adaptor import METHODS, adapt_feet
 from stepover.planning.algorithm_1.plan import Nominal, Options, Plan
@@ -24,7 +25,6 @@ from stepover.planning.algorithm_1.planner import algorithm_1, filter_pass, nomi
 from stepover.planning.algorithm_1.shift_and_raise import raise_waist
 from stepover.planning.algorithm_1.step_sequence import StepSequence
 from stepover.planning.leg_check import LegLimits, check_legs
-from stepover.planning.steps import LEG_1, LEG_2
 from stepover.planning.trajectories import FeetTrajectories, WaistAndFeet
 
 

@@ -6,10 +6,11 @@ from collections import Counter
 
 import click
 
+from stepover.cli.commands import Command
 from stepover.cli.options import pairs
 
 
-@click.command()
+@click.command(cls=Command)
 @click.option("--only", metavar="NOTEBOOK", help="Run this notebook alone, such as stepover_15cm.")
 @click.option(
     "-p", "--parameter", "parameters", multiple=True, metavar="NAME=VALUE", callback=pairs,

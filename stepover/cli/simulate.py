@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from stepover.cli.commands import NOT_CROSSED, complain, progress
+from stepover.cli.commands import NOT_CROSSED, Command, complain, progress
 from stepover.cli.options import as_json, motion_file, new_file, pairs, physics, robot_file
 from stepover.errors import InvalidInput
 from stepover.extras import needs
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from stepover.simulation.measurements import Run
 
 
-class _Disturbed(click.Command):
+class _Disturbed(Command):
     """A command whose help ends with all disturbances."""
 
     def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:

@@ -6,12 +6,12 @@ from pathlib import Path
 
 import click
 
-from stepover.cli.commands import goes_on, one_thread_a_process
+from stepover.cli.commands import Command, goes_on, one_thread_a_process
 from stepover.cli.options import as_json, new_file, physics, robot_file
 from stepover.errors import InvalidInput
 
 
-@click.command()
+@click.command(cls=Command)
 @click.argument("motion", metavar="[MOTION.npz]", required=False)
 @click.option("--height", type=float, help="Instead of a motion: height of the bare obstacle to plan for [m].")
 @click.option("--width", type=float, help="Its width, along the way [m].")

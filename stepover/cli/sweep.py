@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from stepover.cli.commands import goes_on, one_thread_a_process
+from stepover.cli.commands import Command, goes_on, one_thread_a_process
 from stepover.cli.options import as_json, margins, new_file, planner_choices
 from stepover.errors import InvalidInput
 
@@ -17,7 +17,7 @@ def _anywhere(context: click.Context, parameter: click.Parameter, value: str) ->
     return str(Path(value).resolve()) if Path(value).suffix == ".toml" else value
 
 
-@click.command()
+@click.command(cls=Command)
 @click.argument("obstacles", metavar="[OBSTACLES.csv]", required=False)
 @click.option(
     "--heights", metavar="FIRST:LAST:STEP", help="Instead of a list: heights of a grid [m]; or a few, as 0.1,0.15."

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -27,6 +28,9 @@ from stepover.model.parameters.planning import (
 from stepover.model.parameters.quasi_static import QuasiStatic
 from stepover.model.parameters.scaling import Size
 from stepover.model.parameters.stabilizer import Stabilization
+
+FACTS = ("root", "legs", "foot", "outline", "posture", "upper_body")
+"""What a motion is planned for, beside URDF and meshes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,6 +70,17 @@ class Robot:
     sole: SoleRubber = field(default_factory=SoleRubber)
     stabilizer: Stabilization = field(default_factory=Stabilization)
     slow: Mapping[str, Any] = field(default_factory=dict)
+
+    @cached_property
+    def fingerprint(self) -> str:
+        """What the robot is, whatever its name: 16 digits of SHA-256 over URDF, collision meshes and facts."""
+        shapes = {Path(item.meshPath) for item in self.body.geometry.geometryObjects}
+        meshes = sorted(path for path in shapes if path.is_absolute())  # of a box or a cylinder it is a word
+        found = hashlib.sha256()
+        for path in (self.urdf_path, *meshes):
+            found.update(path.read_bytes())
+        found.update(repr([getattr(self, name) for name in FACTS]).encode())
+        return found.hexdigest()[:16]
 
     @cached_property
     def shapes(self) -> list[Shape]:

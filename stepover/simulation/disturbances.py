@@ -11,6 +11,7 @@ import numpy as np
 
 from stepover.errors import InvalidInput
 from stepover.model.gravity import GRAVITY
+from stepover.motion.footsteps import LEG_1, LEG_2
 from stepover.motion.motion import Motion
 
 GROUND_RANGE = (-0.05, 0.05)
@@ -104,8 +105,8 @@ class Disturbances:
     def floor(self, motion: Motion) -> np.ndarray:
         """Height (K,) of the floor under every foothold of a motion [m]; the numbered ones count on top."""
         heights = np.zeros(len(motion.footsteps))
-        for kind, height in ((2, self.ground_leg_1), (3, self.ground_leg_2)):
-            heights[motion.footsteps[:, 5] == kind] += height
+        for kind, height in ((LEG_1, self.ground_leg_1), (LEG_2, self.ground_leg_2)):
+            heights[motion.footsteps.kind == kind] += height
         for number, height in self.footholds:
             heights[number - 1] += height
         return heights

@@ -122,7 +122,7 @@ def floor_changes(motion: Motion, disturbances: Disturbances) -> dict[int, list[
     changes: dict[int, list[tuple[int, float]]] = {}
     if not heights.any():
         return changes
-    for (touch_down, side), height in zip(motion.footsteps[:, :2], heights, strict=True):
+    for touch_down, side, height in zip(motion.footsteps.time, motion.footsteps.side, heights, strict=True):
         landing = int(np.searchsorted(motion.time, touch_down - 1e-9))
         if landing == len(motion.time):
             continue  # a motion that was cut

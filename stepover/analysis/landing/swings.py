@@ -17,13 +17,13 @@ from stepover.errors import InvalidInput
 from stepover.model.obstacle import Obstacle
 from stepover.model.pose import pose
 from stepover.model.robot import Robot
+from stepover.motion.footsteps import LEG_1
 from stepover.motion.motion import Motion
 from stepover.planning.algorithm_1.feet_trajectories import Swing, fourth_order, leg_1_heights, swing_of
 from stepover.planning.algorithm_1.plan import Options, Plan
 from stepover.planning.algorithm_1.planner import algorithm_1, filter_pass, plan_in_detail, whole_body
 from stepover.planning.algorithm_1.step_sequence import Crossing
 from stepover.planning.splines import clamped_spline
-from stepover.planning.steps import LEG_1
 from stepover.planning.trajectories import FeetTrajectories, WaistAndFeet
 
 SHAPED, NAIVE, SAME_APEX = "shaped", "naive", "naive, apex of the shaped"

@@ -17,8 +17,8 @@ import numpy as np
 
 from stepover.model.parameters.planning import SteppingOver
 from stepover.model.robot import Robot
+from stepover.motion.footsteps import LEG_1, LEG_2
 from stepover.planning.algorithm_1.step_sequence import StepSequence
-from stepover.planning.steps import LEG_1, LEG_2
 
 
 def extra_shape(robot: Robot, level: int) -> SteppingOver:

@@ -15,11 +15,11 @@ import numpy as np
 from scipy.ndimage import gaussian_filter1d, maximum_filter1d
 
 from stepover.errors import Infeasible, TrailingLegBlocked
+from stepover.motion.footsteps import LEG_2
 from stepover.planning.algorithm_1.penetration import ankle_displacements
 from stepover.planning.algorithm_1.shift_and_raise import best_candidate, displaced, raise_waist, shift_back, waist_bump
 from stepover.planning.algorithm_1.step_sequence import Crossing
 from stepover.planning.leg_check import check_legs, leg_is_free
-from stepover.planning.steps import LEG_2
 from stepover.planning.trajectories import FeetTrajectories, WaistAndFeet
 
 

@@ -16,9 +16,9 @@ from stepover.model.obstacle import Obstacle
 from stepover.model.parameters.planning import SteppingOver
 from stepover.model.pose import pose
 from stepover.model.robot import Robot
+from stepover.motion.footsteps import LEG_1, LEG_2
 from stepover.planning.algorithm_1.step_sequence import Crossing, Step
 from stepover.planning.splines import clamped_spline, landing
-from stepover.planning.steps import LEG_1, LEG_2
 from stepover.planning.trajectories import FeetTrajectories
 
 

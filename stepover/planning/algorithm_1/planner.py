@@ -9,11 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from stepover import __version__
-from stepover.errors import Infeasible, InvalidInput, OutOfReach, require_type
+from stepover.errors import Infeasible, InvalidInput, OutOfReach
+from stepover.model.course import Course
 from stepover.model.obstacle import Obstacle
 from stepover.model.robot import Robot
-from stepover.motion.motion import FORMAT, Motion, obstacle_row
+from stepover.motion.footsteps import Footsteps
+from stepover.motion.motion import Motion, obstacle_row
 from stepover.planning.algorithm_1.beyond_paper import extra_shape, extra_zmp, waist_delay
 from stepover.planning.algorithm_1.com_waist import com_and_waist
 from stepover.planning.algorithm_1.dynamic_filter import filtered_waist
@@ -27,6 +28,7 @@ from stepover.planning.algorithm_1.step_sequence import Crossing, StepSequence, 
 from stepover.planning.algorithm_1.upper_body import moved, upper_body
 from stepover.planning.checks import require, require_speeds
 from stepover.planning.nearest import nearest_crossable
+from stepover.planning.request import one_obstacle
 from stepover.planning.trajectories import WaistAndFeet
 
 ARMS = ("auto", "on", "off")
@@ -34,13 +36,18 @@ SPEED_LIMITS = ("ignore", "respect")
 
 
 def plan(
-    robot: Robot, obstacle: Obstacle, *, arms: str = "auto", speed_limits: str = "ignore", extras: bool = True
+    robot: Robot,
+    obstacle: Obstacle | Course,
+    *,
+    arms: str = "auto",
+    speed_limits: str = "ignore",
+    extras: bool = True,
 ) -> Motion:
     """Plan how to step over an obstacle dynamically.
 
     Args:
         robot: from load_robot.
-        obstacle: the obstacle with its margins.
+        obstacle: the obstacle with its margins, or a course that holds one.
         arms: UBMG: "auto" swings the arms back where the lead knee needs it, "on" always, "off" never.
         speed_limits: "ignore" the joints' speed limits, as the paper's simulation does, or "respect" them by moving
             by the slow parameters (model.parameters.slow).
@@ -50,7 +57,7 @@ def plan(
         The whole-body motion.
 
     Raises:
-        InvalidInput: no Robot, no Obstacle, or an unknown value of arms or speed_limits.
+        InvalidInput: no Robot, no Obstacle, several obstacles, or an unknown value of arms or speed_limits.
         Infeasible: names the constraint that cannot be met and the nearest obstacle that can be stepped over.
     """
     return plan_in_detail(robot, obstacle, arms=arms, speed_limits=speed_limits, extras=extras).motion
@@ -58,7 +65,7 @@ def plan(
 
 def plan_in_detail(
     robot: Robot,
-    obstacle: Obstacle,
+    obstacle: Obstacle | Course,
     *,
     arms: str = "auto",
     speed_limits: str = "ignore",
@@ -72,8 +79,7 @@ def plan_in_detail(
 
     Key configurations and options are tried in the order of algorithm_1.search; the first that works is taken.
     """
-    require_type("robot", robot, Robot, "load_robot(...)")
-    require_type("obstacle", obstacle, Obstacle, "Obstacle(height, width)")
+    obstacle = one_obstacle(robot, obstacle)
     for name, value, known in (("arms", arms, ARMS), ("speed_limits", speed_limits, SPEED_LIMITS)):
         if value not in known:
             raise InvalidInput(f"{name} = {value!r} must be one of {', '.join(known)}")
@@ -138,9 +144,10 @@ def algorithm_1(robot: Robot, obstacle: Obstacle, key: KeyConfiguration, options
         zmp_reference=sequence.zmp, zmp_first_stage=zmps[0], zmp=robot.body.zmp(q, robot.walk.sample_time),
         support=sequence.support, phase=sequence.phase, footsteps=_footsteps(sequence),
         key_configuration=np.array([key.x_ads, key.x_hds, key.z_hds]),
-        obstacle=obstacle_row(obstacle, sequence.front_face), robot=robot.name, format=FORMAT, version=__version__,
+        obstacles=obstacle_row(obstacle, sequence.front_face)[None],
+        robot=robot.name, robot_fingerprint=robot.fingerprint, planner="paper",
     )  # fmt: skip
-    require(robot, obstacle, motion, placements)
+    require(robot, motion, placements)
     return Plan(motion, key, nominal, adaptation, options, len(zmps), {})
 
 
@@ -208,7 +215,7 @@ def _crossable(robot: Robot, obstacle: Obstacle, options: dict[str, Any]) -> boo
     return True
 
 
-def _footsteps(sequence: StepSequence) -> np.ndarray:
-    """Touch-down time, side, x, y, yaw and kind of each step (K, 6)."""
+def _footsteps(sequence: StepSequence) -> Footsteps:
+    """Where the feet come down and when."""
     time = sequence.time
-    return np.array([[time[s.touch_down], s.side, *s.end, 0.0, s.kind] for s in sequence.steps])
+    return Footsteps.from_rows(np.array([[time[s.touch_down], s.side, *s.end, 0.0, s.kind] for s in sequence.steps]))

@@ -8,10 +8,10 @@ import numpy as np
 
 from stepover.model.parameters.planning import samples
 from stepover.model.robot import Robot
+from stepover.motion.footsteps import LEG_2
 from stepover.planning.algorithm_1.step_sequence import Crossing, Step, StepSequence
 from stepover.planning.leg_check import LegPosture, leg_posture, leg_separation
 from stepover.planning.splines import clamped_spline
-from stepover.planning.steps import LEG_2
 from stepover.planning.trajectories import FeetTrajectories, WaistAndFeet
 
 FEW = 8

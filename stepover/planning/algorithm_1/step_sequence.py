@@ -15,9 +15,9 @@ import numpy as np
 from stepover.errors import Infeasible
 from stepover.model.obstacle import Obstacle
 from stepover.model.robot import Robot
+from stepover.motion.footsteps import AFTER, BEFORE, LEG_1, LEG_2, NORMAL
 from stepover.planning.algorithm_1.feasibility import KeyConfiguration
 from stepover.planning.leg_check import LegLimits
-from stepover.planning.steps import AFTER, BEFORE, LEG_1, LEG_2, NORMAL
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,7 @@ class Step:
 
     Attributes:
         side: of the swing foot, +1 left, -1 right.
-        kind: NORMAL, BEFORE, LEG_1, LEG_2 or AFTER.
+        kind: motion.footsteps.Kind.
         start, end: footholds (2,) of the ankle's projection [m].
         lift_off, touch_down: first sample of the swing, first sample on the ground again.
     """
@@ -156,14 +156,14 @@ def _footholds(
             f"stand at {rear:.3f} m, the shortest step is {walk.step_length_min:.3f} m",
             nearest,
         )
-    approach = [
+    approach: list[tuple[int, int, float]] = [
         (-leading if (count - i) % 2 == 0 else leading, BEFORE if i == count else NORMAL, rear * i / count)
         for i in range(1, count + 1)
     ]
     front = rear + key.x_ads
     over = robot.stepping_over.landing_step
     beyond = front + over + walk.step_length
-    crossing = [
+    crossing: list[tuple[int, int, float]] = [
         (leading, LEG_1, front),
         (-leading, LEG_2, front + over),
         (leading, AFTER, beyond),

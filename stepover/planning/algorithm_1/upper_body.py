@@ -19,10 +19,10 @@ import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
 from stepover.model.robot import Robot
+from stepover.motion.footsteps import LEG_1, LEG_2
 from stepover.planning.algorithm_1.com_waist import ComWaist
 from stepover.planning.algorithm_1.preview_control import kajita_gains, track
 from stepover.planning.algorithm_1.step_sequence import StepSequence
-from stepover.planning.steps import LEG_1, LEG_2
 from stepover.planning.trajectories import FeetTrajectories
 
 

@@ -12,11 +12,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stepover import __version__
-from stepover.errors import Infeasible, InvalidInput, require_type
+from stepover.errors import Infeasible, InvalidInput
+from stepover.model.course import Course
 from stepover.model.obstacle import Obstacle
 from stepover.model.robot import Robot
-from stepover.motion.motion import FORMAT, Motion, obstacle_row
+from stepover.motion.footsteps import LEG_1, LEG_2, Footsteps
+from stepover.motion.motion import Motion, obstacle_row
 from stepover.planning.checks import require
 from stepover.planning.nearest import nearest_crossable
 from stepover.planning.quasi_static.balance import balanced, joined
@@ -32,7 +33,7 @@ from stepover.planning.quasi_static.path import (
 )
 from stepover.planning.quasi_static.search import find_path
 from stepover.planning.quasi_static.timing import durations, zmp_errors
-from stepover.planning.steps import LEG_1, LEG_2
+from stepover.planning.request import one_obstacle
 
 ZMP_MULTIPLE = 1.2
 """The multi-body ZMP stays within this multiple of epsilon: the cart, which times the shifts, has no turning links.
@@ -66,7 +67,7 @@ class QuasiStaticPlan:
     epsilon: float
 
 
-def quasi_static_plan(robot: Robot, obstacle: Obstacle, epsilon: float = 0.001) -> Motion:
+def quasi_static_plan(robot: Robot, obstacle: Obstacle | Course, epsilon: float = 0.001) -> Motion:
     """Plan how to step over an obstacle quasi-statically.
 
     The robot starts with its feet side by side before the obstacle, and ends so behind it. Where no path keeps the
@@ -75,17 +76,18 @@ def quasi_static_plan(robot: Robot, obstacle: Obstacle, epsilon: float = 0.001) 
 
     Args:
         robot: from load_robot.
-        obstacle: the obstacle with its margins; a distance of None puts it where the step over it wants it.
+        obstacle: the obstacle with its margins, or a course that holds one; a distance of None puts it where the step
+            over it wants it.
         epsilon: largest distance between the ZMP and the projection of the CoM [m]: the cart's ZMP in the shifts, the
             multi-body one in the swings. In the shifts the multi-body ZMP goes up to ZMP_MULTIPLE times as far.
 
     Returns:
-        The whole-body motion. Its desired ZMP is the projection of the CoM; there is no filter, so both multi-body
-        ZMPs are the same. The key configuration is the one at the beginning of phase 2.
+        The whole-body motion. Its desired ZMP is the projection of the CoM; there is no filter, and so no ZMP before
+        it. The key configuration is the one at the beginning of phase 2.
 
     Raises:
-        InvalidInput: no Robot, no Obstacle, or epsilon is no length from SMALLEST_EPSILON to what keeps the ZMP on the
-            soles.
+        InvalidInput: no Robot, no Obstacle, several obstacles, or epsilon is no length from SMALLEST_EPSILON to what
+            keeps the ZMP on the soles.
         Infeasible: names the phase and the condition, (6), (7) or (8), that cannot be met, and the nearest obstacle
             that can be stepped over.
     """
@@ -93,11 +95,10 @@ def quasi_static_plan(robot: Robot, obstacle: Obstacle, epsilon: float = 0.001) 
 
 
 def quasi_static_in_detail(
-    robot: Robot, obstacle: Obstacle, epsilon: float = 0.001, *, look_for_nearest: bool = True
+    robot: Robot, obstacle: Obstacle | Course, epsilon: float = 0.001, *, look_for_nearest: bool = True
 ) -> QuasiStaticPlan:
     """As quasi_static_plan, and keep how it came about."""
-    require_type("robot", robot, Robot, "load_robot(...)")
-    require_type("obstacle", obstacle, Obstacle, "Obstacle(height, width)")
+    obstacle = one_obstacle(robot, obstacle)
     _check(robot, epsilon)
     try:
         path, taken, refused = _path_with_margins(robot, obstacle)
@@ -108,7 +109,8 @@ def quasi_static_in_detail(
     errors = zmp_errors(robot, taken, path)
     times = durations(robot, errors, epsilon)
     motion = _motion(robot, taken, path, times)
-    require(robot, taken, dataclasses.replace(motion, zmp=motion.com[:, :2]))  # the CoM is what must be inside
+    require(robot, motion)
+    require(robot, dataclasses.replace(motion, zmp=motion.com[:, :2]))  # the CoM must be inside as well
     return QuasiStaticPlan(motion, path, taken, errors, times, refused, epsilon)
 
 
@@ -187,8 +189,9 @@ def _motion(robot: Robot, obstacle: Obstacle, path: CrossingPath, times: np.ndar
     return Motion(
         time=np.arange(len(q)) * dt, q=q, joint_names=np.array(body.joint_names),
         left_foot=wanted.left, right_foot=wanted.right, waist=q[:, :7], com=body.com(body.placements(q)),
-        zmp_reference=wanted.com, zmp_first_stage=zmp, zmp=zmp, support=support, phase=phase,
-        footsteps=np.array(steps),
+        zmp_reference=wanted.com, zmp=zmp, support=support, phase=phase,
+        footsteps=Footsteps.from_rows(np.array(steps)),
         key_configuration=np.array([path.x_ads, q[ends[LEG_1_OVER], 0], path.height_rear]),
-        obstacle=obstacle_row(obstacle, path.front_face), robot=robot.name, format=FORMAT, version=__version__,
+        obstacles=obstacle_row(obstacle, path.front_face)[None],
+        robot=robot.name, robot_fingerprint=robot.fingerprint, planner="quasi-static",
     )  # fmt: skip

@@ -10,8 +10,8 @@ from stepover.analysis.stages import Stage, lead_knee, postures
 from stepover.model.kinematics import Placements
 from stepover.model.obstacle import Obstacle
 from stepover.model.robot import Robot
+from stepover.motion.footsteps import LEG_1, LEG_2
 from stepover.planning.algorithm_1.plan import Plan
-from stepover.planning.steps import LEG_1, LEG_2
 from stepover.report.figures.style import (
     FIRST_STAGE,
     LEFT,

@@ -9,8 +9,8 @@ from stepover.analysis.key_posture import knees_from_straight
 from stepover.analysis.stages import after_adaptation, lead_knee, lead_leg_stages
 from stepover.model.obstacle import Obstacle
 from stepover.model.robot import Robot
+from stepover.motion.footsteps import LEG_1, LEG_2
 from stepover.planning.algorithm_1.plan import Plan
-from stepover.planning.steps import LEG_1, LEG_2
 from stepover.report.figures.adapted import draw_obstacle
 from stepover.report.figures.style import (
     FIRST_STAGE,
