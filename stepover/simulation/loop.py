@@ -50,8 +50,7 @@ def carry_out(
         engine.set_ground(0, 0.0)
     fall: Fall | None = None
     contacts, touch, torque, saturated = NO_CONTACTS, NOTHING, engine.torque, engine.saturated
-    k = 0
-    while True:
+    for k in range(last + 1):
         base, (angles, speeds) = engine.base_pose(), engine.joints()
         commands.sense(touch)
         reason = has_fallen(parameters, base, motion.waist[k], touch) if k and not fall else None
@@ -63,14 +62,14 @@ def carry_out(
         for observer in observers:
             observer.sampled(sample)
         if k == last:
-            return fall
+            break
         for side, height in floor.get(k, ()):
             engine.set_ground(0 if side > 0 else 1, height)
         trajectory = commands.trajectory(k + 1)
         torque, saturated = _one_sample(engine, trajectory, motion.time[k], observers)
         contacts = engine.contacts()
         touch = summed_up(contacts, engine.links, len(trajectory))
-        k += 1
+    return fall
 
 
 def _one_sample(
