@@ -35,7 +35,7 @@ SIMULATE_KEYS = {
     "crossed", "fell", "fall_time", "fall_reason", "obstacle_contacts", "clearance_min", "clearance_link", "zmp_rms",
     "landing_force_peak", "waist_error_max", "torque_ratio_max", "speed_ratio_max", "torque_saturated_samples",
     "actuators", "sole", "stabilizer", "duration", "realtime_factor", "state_hash",
-    "speed_violation_samples", "perturb",
+    "speed_violation_samples", "perturb", "engine",
 }  # fmt: skip
 SMALL = ["--height", "0.05", "--width", "0.05"]
 

@@ -149,7 +149,7 @@ def test_a_missing_library_is_named_with_its_extra(motion: Motion, tmp_path: Pat
         "except InvalidInput as error:\n    print(error)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout == "the engine PyBullet is not installed: pip install 'stepover[pybullet]'\n"
+    assert done.stdout == "simulate needs PyBullet: pip install 'stepover[pybullet]'\n"
 
 
 @pytest.mark.parametrize("fails", ["surroundings", "mass"])

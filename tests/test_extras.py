@@ -61,7 +61,7 @@ import stepover
 motion = stepover.plan(stepover.load_robot("hrp2"), stepover.Obstacle(0.05, 0.05))
 assert motion.hash() == stepover.Motion.load("m.npz").hash()
 try:
-    stepover.simulate
+    stepover.simulate(motion)
 except stepover.InvalidInput as error:
     print(error)
 """
@@ -82,7 +82,7 @@ def test_help(folder):
         ("simulate m.npz", "simulate needs PyBullet: pip install 'stepover[pybullet]'"),
         ("view m.npz --output m.html", "view needs meshcat: pip install 'stepover[report]'"),
         ("sweep --heights 0.1 --widths 0.05 --output t.csv", "sweep needs joblib: pip install 'stepover[studies]'"),
-        ("study m.npz --output t.csv", "simulate needs PyBullet: pip install 'stepover[pybullet]'"),
+        ("study m.npz --output t.csv", "study needs joblib: pip install 'stepover[studies]'"),
         ("reproduce --only tour", "reproduce needs papermill: pip install 'stepover[notebooks]'"),
     ],
 )

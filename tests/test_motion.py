@@ -73,7 +73,7 @@ def spoilt_robot(tmp_path, robot_table):
         for (*above, key), value in changes.items():
             place = table
             for name in above:
-                place = place[name]
+                place = place.setdefault(name, {})
             place[key] = value
         (tmp_path / "robot.toml").write_text(as_toml(table))
         return load_robot(tmp_path / "robot.toml")

@@ -165,7 +165,7 @@ def test_what_is_no_motion_and_no_robot_is_refused(motion: Motion) -> None:
 
 
 def test_obstacle_can_be_left_out(motion: Motion, robot: Robot) -> None:
-    front = replace(motion, obstacle=np.array([-0.05, 0.1, 0.3, 0.0, 0.0, 1.0]))
+    front = replace(motion, obstacles=np.array([[-0.05, 0.1, 0.3, 0.0, 0.0, 1.0, 0.0]]))
     run = simulate(shortened(front, 0, 10), robot=robot, obstacle=False)
     assert run.crossed
     assert run.clearance_min < 0.0

@@ -38,7 +38,8 @@ def fingerprint(work: Callable[..., Any], robot: str, *more: object) -> str:
 def sources(module: str) -> tuple[Path, ...]:
     """Files of a module and of all that it imports of this package, directly or through others.
 
-    Imports inside functions count. Imports for type checking alone do not.
+    Imports inside functions count, and modules that are named in a text, as a registry of engines names them: but not
+    those that the package itself offers. Imports for type checking alone do not count.
     """
     found, waiting = dict[str, Path](), [module]
     while waiting:
@@ -47,7 +48,8 @@ def sources(module: str) -> tuple[Path, ...]:
         if name in found or path is None:
             continue
         found[name] = path
-        waiting += [name.rpartition(".")[0], *_imported(ast.parse(path.read_bytes()))]
+        tree = ast.parse(path.read_bytes())
+        waiting += [name.rpartition(".")[0], *_imported(tree), *([] if name == PACKAGE else _named(tree))]
     return tuple(found[name] for name in sorted(found))
 
 
@@ -76,6 +78,13 @@ def _imported(node: ast.AST) -> Iterator[str]:
     yield from (name for name in names if name.partition(".")[0] == PACKAGE)
     for child in ast.iter_child_nodes(node):
         yield from _imported(child)
+
+
+def _named(tree: ast.AST) -> Iterator[str]:
+    """Texts that may name modules of this package."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Constant) and str(node.value).startswith(f"{PACKAGE}."):
+            yield str(node.value)
 
 
 def robot_files(robot: str) -> list[Path]:
