@@ -60,7 +60,7 @@ class Inertia:
         centre = (self.mass * self.centre + sign * sum(other.mass * other.centre for other in others)) / mass
         matrix = self.matrix + _steiner(self.mass, self.centre - centre)
         for other in others:
-            matrix = matrix + sign * (other.matrix + _steiner(other.mass, other.centre - centre))
+            matrix = matrix + sign * other.matrix + sign * _steiner(other.mass, other.centre - centre)
         return Inertia(mass, centre, matrix)
 
 

@@ -9,9 +9,13 @@ import numpy as np
 from stepover.model.collision import Shape
 from stepover.model.kinematics import Placements, axis_rotation
 from stepover.model.robot import Robot
-from stepover.simulation.pybullet.description import NEAR_SOLE
+
 
 SIDES = (1, -1)
+BUSH = ("LIFT", "ROLL", "PITCH")
+"""The joints of a bush, from the ankle down: along z, about x, about y."""
+NEAR_SOLE = 1e-3
+"""m: a shape whose underside is as near to the sole belongs to the plate."""
 
 
 def with_plates(robot: Robot, placements: Placements, bush: np.ndarray, depth: float) -> Placements:
