@@ -12,6 +12,7 @@ import numpy as np
 
 from stepover.model.body import Body
 from stepover.model.collision import Shape, shapes_of
+from stepover.model.description import Description
 from stepover.model.legs import Leg
 from stepover.model.parameters.physics import Servo, Simulation, SoleRubber
 from stepover.model.parameters.planning import (
@@ -39,6 +40,7 @@ class Robot:
     Attributes:
         name: as it goes into a motion.
         urdf_path: where its URDF is.
+        description: what was read of it.
         root: name of the root link, the waist.
         legs, foot, outline, posture, upper_body, walk, feasibility, stepping_over, preview, adaptor, beyond_paper,
             verdict, quasi_static, simulation, servo, sole, stabilizer: the tables of robot.toml, each a dataclass of
@@ -48,6 +50,7 @@ class Robot:
 
     name: str
     urdf_path: Path
+    description: Description
     root: str
     legs: Legs
     foot: Foot
@@ -71,7 +74,7 @@ class Robot:
     @cached_property
     def body(self) -> Body:
         """The multi-body model."""
-        return Body(self.urdf_path)
+        return Body(self.description)
 
     @cached_property
     def shapes(self) -> list[Shape]:

@@ -14,6 +14,7 @@ from stepover.model.robot import Robot
 from stepover.robots.checks import require_agreement
 from stepover.robots.files import find_urdf
 from stepover.robots.reading import read_section
+from stepover.robots.urdf import read_urdf
 
 
 def load_robot(robot: str | Path) -> Robot:
@@ -40,7 +41,9 @@ def load_robot(robot: str | Path) -> Robot:
         raise InvalidInput(f"{path} is not valid TOML: {error}") from error
     try:
         parts = _read(table)
-        found = Robot(urdf_path=find_urdf(parts.pop("urdf"), path.parent.resolve()), **parts)
+        urdf_path = find_urdf(parts.pop("urdf"), path.parent.resolve())
+        description, _ = read_urdf(urdf_path)
+        found = Robot(urdf_path=urdf_path, description=description, **parts)
         require_agreement(found)
         return found
     except InvalidInput as error:
@@ -50,7 +53,9 @@ def load_robot(robot: str | Path) -> Robot:
 def _read(table: dict[str, Any]) -> dict[str, Any]:
     """Check the top level of robot.toml and each of its tables."""
     hints = get_type_hints(Robot) | {"urdf": str}
-    names = ["urdf" if field.name == "urdf_path" else field.name for field in fields(Robot)]
+    names = [
+        "urdf" if field.name == "urdf_path" else field.name for field in fields(Robot) if field.name != "description"
+    ]
     for key in names:
         if key not in table:
             raise InvalidInput(f"lacks the {'key' if hints[key] is str else 'table'} {key!r}")
