@@ -10,11 +10,11 @@ NOTEBOOKS = $(wildcard notebooks/*.ipynb)
 python311 = $(shell for p in $(PYTHON3); do \
 	"$$p" -c 'import sys; sys.exit(sys.version_info[:2] != (3, 11))' 2>/dev/null && echo "$$p" && break; done)
 found = $(or $(shell for p in $(PYTHON3); do "$$p" --version 2>/dev/null && break; done),no Python)
-wrong_python = stepover needs Python 3.11 (PyBullet has no wheels for later ones); found $(found); \
+wrong_python = this environment needs Python 3.11 (PyBullet has no wheels for later ones); found $(found); \
 call make PYTHON3=/path/to/python3.11
 
 .DEFAULT_GOAL := help
-.PHONY: help env reproduce site test studies lab bench lint clean
+.PHONY: help env reproduce site test coverage studies lab bench lint clean
 
 help:       ## list these commands
 	@sed -n 's/^\([a-z]*\): .*## \(.*\)/\1|\2/p' $(MAKEFILE_LIST) | \
@@ -32,6 +32,9 @@ site: $(READY)       ## make build/site/: all of it as pages that need no networ
 
 test: $(READY)       ## run the tests, the notebooks with quick parameters among them
 	$(PYTHON) -m pytest -n auto --dist loadfile
+
+coverage: $(READY)   ## run the tests and measure the share of the code that they run
+	$(PYTHON) -m pytest -n auto --dist loadfile --cov --cov-report=term
 
 studies: $(READY)    ## make the long tables in figures/ on all cores; goes on where it was interrupted
 	$(PYTHON) -m stepover.studies
@@ -55,10 +58,10 @@ clean:      ## remove build/ and the caches; keep .venv
 	find . -path ./$(VENV) -prune -o \( -name __pycache__ -o -name .ipynb_checkpoints \) -prune -exec rm -rf {} +
 
 # One thread a process: the parallelism is that of the processes, and sums come out the same on every run.
-reproduce site test studies: export OMP_NUM_THREADS = 1
-reproduce site test studies: export OPENBLAS_NUM_THREADS = 1
+reproduce site test coverage studies: export OMP_NUM_THREADS = 1
+reproduce site test coverage studies: export OPENBLAS_NUM_THREADS = 1
 # Not for reproduce: there the notebooks' own backend, which needs no display either, keeps the figures in their pages.
-test: export MPLBACKEND = Agg
+test coverage: export MPLBACKEND = Agg
 
 # The stamp goes before the first change and comes back after the last: without it .venv is built from nothing,
 # so that an installation that was interrupted leaves no half-installed package behind.

@@ -20,7 +20,7 @@ from stepover.planning.algorithm_1.feasibility import key_configurations
 from stepover.planning.algorithm_1.feet_adaptor import adapt_feet
 from stepover.planning.algorithm_1.feet_trajectories import feet_trajectories
 from stepover.planning.algorithm_1.planner import plan_in_detail, whole_body
-from stepover.planning.algorithm_1.step_sequence import step_sequence
+from stepover.planning.algorithm_1.step_sequence import Crossing, step_sequence
 from stepover.planning.algorithm_1.upper_body import upper_body
 from stepover.planning.checks import require
 
@@ -90,9 +90,9 @@ def unit(measure, height, what, call):
 @heights
 def test_steps_and_feet(measure, robot, height):
     def call(at):
-        level = at.plan.effort.level
+        level = at.plan.options.level
         sequence = extra_zmp(robot, step_sequence(robot, at.obstacle, at.plan.key, robot.rest_zmp()), level)
-        feet_trajectories(robot, at.obstacle, sequence, extra_shape(robot, level))
+        feet_trajectories(Crossing(robot, at.obstacle, sequence), extra_shape(robot, level))
 
     unit(measure, height, "2 FTG", call)
 
@@ -100,7 +100,7 @@ def test_steps_and_feet(measure, robot, height):
 @heights
 def test_com_and_waist(measure, robot, height):
     def call(at):
-        com_and_waist(robot, at.plan.sequence, at.plan.key, waist_delay(robot, at.plan.effort.level))
+        com_and_waist(robot, at.plan.sequence, at.plan.key, waist_delay(robot, at.plan.options.level))
 
     unit(measure, height, "3 CWTG1", call)
 
@@ -108,7 +108,7 @@ def test_com_and_waist(measure, robot, height):
 @heights
 def test_inverse_kinematics(measure, robot, height):
     def call(at):
-        whole_body(robot, at.waist, at.plan.feet, at.plan.upper.q, at.plan.sequence.time)
+        whole_body(robot, at.poses, at.plan.nominal.upper.q, at.plan.sequence.time)
 
     unit(measure, height, "4 IK", call)
 
@@ -116,7 +116,7 @@ def test_inverse_kinematics(measure, robot, height):
 @heights
 def test_upper_body(measure, robot, height):
     def call(at):
-        upper_body(robot, at.plan.sequence, at.plan.feet, at.plan.first_stage, at.plan.effort.arms)
+        upper_body(robot, at.plan.sequence, at.plan.nominal.feet, at.plan.nominal.first_stage, at.plan.options.arms)
 
     unit(measure, height, "5 UBMG", call)
 
@@ -125,7 +125,7 @@ def test_upper_body(measure, robot, height):
 def test_dynamic_filter(measure, robot, height):
     def call(at):
         zmp = robot.body.zmp(at.q, robot.walk.sample_time)
-        filtered_waist(robot, at.waist, at.plan.sequence.zmp, zmp)
+        filtered_waist(robot, at.poses.waist, at.plan.sequence.zmp, zmp)
 
     unit(measure, height, "6 CWTG2, one pass", call)
 
@@ -133,11 +133,11 @@ def test_dynamic_filter(measure, robot, height):
 @heights
 def test_feet_adaptor(measure, robot, height):
     def call(at):
-        adapt_feet(robot, at.obstacle, at.plan.sequence, at.filtered, at.plan.feet)
+        adapt_feet(at.plan.nominal.crossing, at.filtered)
 
     unit(measure, height, "7 FTA, one pass", call)
 
 
 @heights
-def test_verdict(measure, robot, height):
-    unit(measure, height, "verdict", lambda at: require(robot, at.obstacle, at.plan.motion))
+def test_checks(measure, robot, height):
+    unit(measure, height, "checks", lambda at: require(robot, at.plan.motion))

@@ -9,10 +9,9 @@ import numpy as np
 
 from stepover.model.obstacle import Obstacle
 from stepover.model.robot import Robot
-from stepover.planning.algorithm_1.dynamic_filter import filtered_waist
-from stepover.planning.algorithm_1.planned import Plan
-from stepover.planning.algorithm_1.planner import plan_in_detail, whole_body
-from stepover.planning.algorithm_1.upper_body import moved
+from stepover.planning.algorithm_1.plan import Plan
+from stepover.planning.algorithm_1.planner import filter_pass, plan_in_detail, whole_body
+from stepover.planning.trajectories import WaistAndFeet
 from stepover.robots.loading import load_robot
 
 WIDTH = 0.05
@@ -27,18 +26,18 @@ class Ready:
     Attributes:
         obstacle: what was planned for.
         plan: the plan.
-        waist: (N, 7) before the filter.
+        poses: waist and feet before the filter.
         q: (N, nq) configurations with it.
         zmp: (N, 2) multi-body ZMP of q [m].
-        filtered: (N, 7) waist after the filter.
+        filtered: the same after the filter.
     """
 
     obstacle: Obstacle
     plan: Plan
-    waist: np.ndarray
+    poses: WaistAndFeet
     q: np.ndarray
     zmp: np.ndarray
-    filtered: np.ndarray
+    filtered: WaistAndFeet
 
 
 @lru_cache(maxsize=256)
@@ -46,10 +45,10 @@ def ready(height: float, number: int) -> Ready:
     """What stands ready for the units, for the obstacle of a number, from 0, at a height [m]."""
     robot, obstacle = load(), Obstacle(height + HIGHER * number, WIDTH)
     plan = plan_in_detail(robot, obstacle, look_for_nearest=False)
-    waist = moved(plan.first_stage.waist, plan.upper.waist_shift)
-    q = whole_body(robot, waist, plan.feet, plan.upper.q, plan.sequence.time)
-    zmp = robot.body.zmp(q, robot.walk.sample_time)
-    return Ready(obstacle, plan, waist, q, zmp, filtered_waist(robot, waist, plan.sequence.zmp, zmp))
+    poses = WaistAndFeet(plan.nominal.waist, plan.nominal.feet)
+    q = whole_body(robot, poses, plan.nominal.upper.q, plan.sequence.time)
+    waist, zmp = filter_pass(plan.nominal.crossing, poses, plan.nominal.upper.q)
+    return Ready(obstacle, plan, poses, q, zmp, WaistAndFeet(waist, plan.nominal.feet))
 
 
 @lru_cache(maxsize=1)

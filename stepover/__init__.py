@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from stepover.errors import CorruptMotion, Infeasible, InvalidInput, StepOverError
+    from stepover.model.course import Course
     from stepover.model.obstacle import Obstacle
     from stepover.model.robot import Robot
     from stepover.motion.motion import Motion
@@ -22,10 +23,11 @@ if TYPE_CHECKING:
     from stepover.robots.loading import load_robot
     from stepover.simulation.run import simulate
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 _HOMES = {
     "CorruptMotion": "stepover.errors",
+    "Course": "stepover.model.course",
     "Infeasible": "stepover.errors",
     "InvalidInput": "stepover.errors",
     "Motion": "stepover.motion.motion",
@@ -39,6 +41,7 @@ _HOMES = {
 }
 __all__ = [
     "CorruptMotion",
+    "Course",
     "Infeasible",
     "InvalidInput",
     "Motion",

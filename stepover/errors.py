@@ -63,21 +63,21 @@ class OutOfReach(Infeasible):
     """A sole that a leg cannot reach, by `short`."""
 
 
-class NoWay(Infeasible):
-    """A trailing leg that the feet adaptor leaves deeper inside than its last method is for.
+class TrailingLegBlocked(Infeasible):
+    """FTA cannot free the trailing leg: the remaining penetration exceeds what its method (3) can correct.
 
-    What remains is looked up when it is asked for, since that takes its time.
+    The exact depth takes time to compute, so it is computed when somebody asks for it.
     """
 
     def __init__(self, short: float, explain: Callable[[], Infeasible]) -> None:
-        """Keep by how much it is short at the least [m], and who can say more."""
+        """Keep a lower bound of the penetration [m], and the function that computes what exactly remains."""
         self.explain = cache(explain)
-        super().__init__("FTA finds no way for the trailing leg", short=short)
+        super().__init__("FTA cannot free the trailing leg", short=short)
 
     def __str__(self) -> str:
         """What remains: the link, the depth and when."""
         return str(self.explain())
 
     def __reduce__(self) -> tuple[type[Infeasible], tuple[str, Advice | None, float]]:
-        """Another process gets what it says, not what it would have to look at."""
+        """Pickle the finished message: another process has no trajectories to compute it from."""
         return Infeasible, (str(self), self.nearest, self.short)

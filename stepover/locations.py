@@ -18,7 +18,7 @@ def checkout() -> Path:
     """Top folder of the checkout that this package is imported from.
 
     Raises:
-        InvalidInput: there are no notebooks: stepover was installed without them.
+        InvalidInput: it has no notebooks, because stepover is an installed package.
     """
     top = Path(__file__).resolve().parents[1]
     if not (top / "notebooks").is_dir():

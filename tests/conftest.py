@@ -19,7 +19,7 @@ from stepover.model import pose
 from stepover.model.obstacle import Obstacle
 from stepover.model.robot import Robot
 from stepover.motion.motion import Motion
-from stepover.planning.algorithm_1.planned import Plan
+from stepover.planning.algorithm_1.plan import Plan
 from stepover.planning.algorithm_1.planner import plan_in_detail
 from stepover.robots.loading import load_robot
 
@@ -78,7 +78,7 @@ def spoilt(tmp_path: Path, robot_table: dict[str, Any]) -> Callable[..., Path]:
         for keys, value in changes.items():
             place = table
             for key in keys[:-1]:
-                place = place[key]
+                place = place.setdefault(key, {})
             if value is DROP:
                 del place[keys[-1]]
             else:

@@ -52,8 +52,10 @@ if __name__ == "__main__":
     else:
 
         def lingering(motion: Motion, **how: Any) -> Any:
-            """As the real one, it takes a while."""
+            """As the real one, it takes a while; a line beside the table for each."""
             time.sleep(0.1)
+            with open(Path(sys.argv[-1]).with_name("simulated"), "a") as file:
+                file.write("one\n")
             return faked(motion, **how)
 
         robustness.simulate = lingering  # type: ignore[assignment]

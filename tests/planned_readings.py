@@ -40,7 +40,7 @@ def planned_wrenches(robot: Robot, motion: Motion) -> np.ndarray:
     for sample, wrench in enumerate(whole):
         zmp = np.array([-wrench[4], wrench[3]]) / wrench[2]
         estimate = changed(planned_estimate(planned, sample), zmp=zmp)
-        shares, cops = feedback.wish(sample, estimate).shared
+        shares, cops = feedback.desired(sample, estimate).shared
         for foot in range(2):
             place = np.append(planned.soles[sample, foot, :2] + cops[foot], 0.0)
             wrenches[sample, foot, :3] = shares[foot] * wrench[:3]

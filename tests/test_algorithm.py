@@ -50,7 +50,7 @@ def test_all_that_flows_has_a_symbol():
 
 
 def test_a_step_that_is_left_out_is_gone():
-    found = changed("upper = upper_body(robot, sequence, ftg, first, effort.arms)", "upper = first")
+    found = changed("upper = upper_body(robot, sequence, ftg, first, options.arms)", "upper = first")
     assert names(found) == ["FU", "FTG", "CWTG1", "IK", "CWTG2", "FTA"]
     assert not [pair for pair in found.flows if "UBMG" in pair]
     assert changed("keys = key_configurations(mover, obstacle)  # 1: FU", "keys = []").blocks[0].name == "FTG"
@@ -71,10 +71,13 @@ def test_a_loop_that_is_no_longer_one_hands_nothing_back():
 
 
 def test_another_argument_is_another_arrow():
-    found = changed("waist = filtered_waist(robot, waist, sequence.zmp, zmps[-1])",
-                    "waist = filtered_waist(robot, waist, key, zmps[-1])")  # fmt: skip
-    assert ("FU", "CWTG2") in found.flows
+    found = changed(
+        "filtered_waist(robot, poses.waist, sequence.zmp, zmp)", "filtered_waist(robot, poses.waist, zmp, zmp)"
+    )
     assert ("FTG", "CWTG2") not in found.flows
+    found = changed("filter_pass(crossing, WaistAndFeet(waist, feet)", "filter_pass(crossing, WaistAndFeet(key, feet)")
+    assert ("FU", "CWTG2") in found.flows
+    assert ("CWTG1", "CWTG2") not in found.flows
 
 
 def test_each_number_is_that_of_the_comment_and_each_name_that_of_the_module():

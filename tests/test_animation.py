@@ -10,7 +10,7 @@ from stepover.report.figures import crossing_times, save_film, style
 from stepover.simulation.pybullet import animation
 from stepover.simulation.pybullet.animation import crossing_frames
 from stepover.simulation.pybullet.client import pybullet
-from stepover.simulation.pybullet.video import acted, furnish, seen, stage
+from stepover.simulation.pybullet.video import draw_surroundings, replay, seen, stage
 
 SIZE = (160, 110)
 
@@ -28,8 +28,8 @@ def test_layers_are_what_one_camera_sees(motion, robot, over, monkeypatch):
     middle = np.array([motion.bare_obstacle[:2].mean(), 0.0, 0.0])
     camera = (middle + animation.EYE).tolist(), (middle + animation.TARGET).tolist(), animation.FIELD_OF_VIEW, SIZE
     with stage() as client:
-        furnish(client, motion, motion.bare_obstacle)
-        whole = [seen(client, *camera)[0].copy() for _ in acted(client, motion, np.array(over), robot)]
+        draw_surroundings(client, motion, motion.bare_obstacle)
+        whole = [seen(client, *camera)[0].copy() for _ in replay(client, motion, np.array(over), robot)]
     layered = crossing_frames(motion, over, SIZE, robot)
     for one, other in zip(whole, layered, strict=True):
         assert (np.abs(one.astype(int) - other) > 1).mean() < 0.001
@@ -70,7 +70,7 @@ def test_film(motion, robot, tmp_path):
 
 def test_the_legs_have_the_colours_of_the_figures(motion, robot):
     with stage() as client:
-        next(acted(client, motion, np.array([0.0]), robot))
+        next(replay(client, motion, np.array([0.0]), robot))
         shown = {pybullet.getJointInfo(0, k, client)[1].decode(): k for k in range(pybullet.getNumJoints(0, client))}
         looks = {shape[1]: shape[7][:3] for shape in pybullet.getVisualShapeData(0, physicsClientId=client)}
     for joints, colour in ((robot.legs.left, style.LEFT), (robot.legs.right, style.RIGHT)):

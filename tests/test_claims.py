@@ -1,7 +1,8 @@
-"""The claims: rules, records, and that claims.toml, claims.json, README and the notebooks agree."""
+"""The claims: rules, records, and that claims.toml, claims.json, the pages and the notebooks agree."""
 
 import json
 import math
+import re
 import subprocess
 import sys
 import time
@@ -17,11 +18,13 @@ from stepover.locations import checkout
 from stepover.model.obstacle import Obstacle
 from stepover.planning.algorithm_1.planner import plan
 from stepover.reproduction import verdicts as module
+from stepover.reproduction.captions import read_captions
 from stepover.reproduction.claims import DIFFERS, VERDICTS, Claim, read_claims
 from stepover.reproduction.marked import marks
+from stepover.reproduction.pages import MARK, TELLING, claims_page, figures_page, readme_with, tally
 from stepover.reproduction.recorder import Recorder, shown
 from stepover.reproduction.run import NotebookFailed, reproduce
-from stepover.reproduction.verdicts import MARK, gather, read_entries, readme_table, tally, with_table
+from stepover.reproduction.verdicts import gather, read_entries
 
 START, END = marks(MARK)
 
@@ -191,21 +194,25 @@ def top(tmp_path, known):
     return tmp_path
 
 
+RESULTS = "figures/claims.json", "docs/claims.md", "docs/figures.md", "README.md"
+
+
 def results(top):
-    return [(top / name).read_bytes() for name in ("figures/claims.json", "README.md")]
+    return [(top / name).read_bytes() if (top / name).exists() else None for name in RESULTS]
 
 
 class TestReproduce:
     def test_records_become_claims_and_a_table(self, top):
-        assert reproduce(top) == [top / "figures" / "claims.json", top / "README.md"]
+        assert reproduce(top) == [top / name for name in RESULTS]
         rows = read_entries(top / "figures" / "claims.json")
         assert [(row["id"], row["measured"], row["verdict"]) for row in rows] == [
             ("one", 1.0, "holds"),
             ("two", 1.0, "holds"),
         ]
         text = (top / "README.md").read_text()
-        assert text == f"before\n{START}\n{tally(rows)}\n\n{readme_table(rows)}\n{END}\nafter\n"
-        assert "I; `one` in [notebook](notebooks/good.ipynb) |" in text
+        assert text.startswith(f"before\n{START}\n{tally(rows)}\n\n| claim | paper |")
+        assert text.endswith(f"\n{END}\nafter\n")
+        assert "I; [notebook](../notebooks/good.ipynb) |" in (top / "docs" / "claims.md").read_text()
         first = results(top)
         reproduce(top)
         assert results(top) == first, "a second run gives the same to the byte"
@@ -282,7 +289,7 @@ class TestGather:
         self.refused(top, records, "differ without a reason: one")
         records["good"][0]["reason"] = "so it is"
         gather(top, records, True)
-        assert "**differs**: so it is" in (top / "README.md").read_text()
+        assert "**differs**: so it is" in (top / "docs" / "claims.md").read_text()
 
     def test_what_depends_on_the_machine_stays_while_it_says_the_same(self, top, records):
         varies = {"compare": "above", "paper": 0.0, "varies": True}
@@ -323,6 +330,30 @@ class TestGather:
         with pytest.raises(InvalidInput, match=r"README\.md cannot be read"):
             gather(top, records, True)
 
+    @pytest.mark.parametrize(
+        ("figure", "captions", "words"),
+        [
+            ("a.png", "", "figure 'a' has no caption"),
+            ("a.png", '[a]\nnotebook = "good"\ncaption = "A."\n[b]\n', "figure 'b' has a caption but no file"),
+            ("a.gif", "[a]\nnotebook = 'good'", "needs 'notebook' and 'caption'"),
+            ("a.png", "[a", "not valid TOML"),
+        ],
+    )
+    def test_figures_and_captions_must_agree(self, top, records, figure, captions, words):
+        (top / "figures" / figure).touch()
+        (top / "data" / "figures.toml").write_text(captions)
+        self.refused(top, records, words)
+
+    def test_a_figure_is_shown_with_caption_notebook_and_claims(self, top, records):
+        (top / "figures" / "a.png").touch()
+        (top / "data" / "figures.toml").write_text('[a]\nnotebook = "good"\ncaption = "What to see."\n')
+        (top / "data" / "claims.toml").write_text(as_toml(one={"figure": "a"}, two={"notebook": "other"}))
+        gather(top, records, True)
+        page = (top / "docs" / "figures.md").read_text()
+        for words in ("## a\n", "![a](../figures/a.png)", "What to see.", "(../notebooks/good.ipynb)",
+                      "Claims: [one](claims.md#one)."):  # fmt: skip
+            assert words in page
+
     def test_a_checkout_without_claims(self, tmp_path):
         assert gather(tmp_path, {"good": []}, True) == []
 
@@ -339,7 +370,17 @@ class TestThePapersClaims:
         figure = CLAIMS[name].figure
         assert not figure or (TOP / "figures" / f"{figure}.png").is_file()
 
-    def test_toml_json_and_readme_agree(self):
+    @pytest.mark.parametrize("one", read_captions(TOP), ids=lambda one: one.file)
+    def test_a_figure_is_drawn_by_the_notebook_that_its_caption_names(self, one):
+        name = re.compile(rf'"{one.file.split(".")[0]}(\.\w+)?"')
+        assert one.caption
+        drawn_by = {
+            stem for stem, book in NOTEBOOKS.items()
+            if any(name.search(cell.source) for cell in book.cells if cell.cell_type == "code")
+        }  # fmt: skip
+        assert drawn_by == {one.notebook}
+
+    def test_toml_json_and_pages_agree(self):
         rows = read_entries(TOP / "figures" / "claims.json")
         assert [row["id"] for row in rows] == list(CLAIMS)
         for row in rows:
@@ -349,7 +390,14 @@ class TestThePapersClaims:
             assert row["reason"] or row["verdict"] == "holds", row["id"]
             if row["verdict"] != "cannot be tested here":
                 assert (row["verdict"] == "holds") == one.holds(row["measured"]), row["id"]
-        assert (TOP / "README.md").read_text() == with_table(TOP / "README.md", rows)
+        assert (TOP / "README.md").read_text() == readme_with(TOP / "README.md", rows)
+        assert (TOP / "docs" / "claims.md").read_text() == claims_page(rows)
+        assert (TOP / "docs" / "figures.md").read_text() == figures_page(read_captions(TOP), rows)
+
+    def test_readme_shows_five_claims_with_both_verdicts(self):
+        shown_in_readme = [row for row in read_entries(TOP / "figures" / "claims.json") if row["id"] in TELLING]
+        assert len(shown_in_readme) == len(TELLING) == 5
+        assert {row["verdict"] for row in shown_in_readme} == {"holds", "differs"}
 
     def test_all_are_there(self):
         assert len(CLAIMS) == 42
@@ -396,7 +444,7 @@ class TestWhatIsMeasured:
     def test_slowest(self, motion):
         speed, when = simplifications.slowest(motion)
         assert 0.0 < speed < 0.1
-        assert motion.time[0] < when < motion.footsteps[-1, 0]
+        assert motion.time[0] < when < motion.footsteps.time[-1]
 
     def test_planning_times(self, robot, obstacle, motion):
         first, tick, in_sweeps, in_samples = simplifications.planning_times(robot, obstacle, motion, 1.0, 1)

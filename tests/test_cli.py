@@ -16,7 +16,7 @@ from click.testing import CliRunner
 import stepover.locations
 from stepover import Motion, Obstacle, __version__, load_robot
 from stepover.cli import main
-from stepover.cli.commands import progress
+from stepover.cli.commands import Command, progress
 from stepover.cli.simulate import plot_failure
 from stepover.errors import InvalidInput
 from stepover.planning.algorithm_1 import planner
@@ -25,8 +25,9 @@ from stepover.reproduction import run as module
 from stepover.reproduction.verdicts import RECORDED
 
 PLAN_KEYS = {
-    "robot", "obstacle", "key_configuration", "duration", "step_over_duration", "samples", "zmp_rms_first_stage",
-    "zmp_rms", "zmp_error_max", "zmp_margin_min", "clearance_min", "clearance_link", "clearance_time",
+    "robot", "planner", "obstacle", "key_configuration", "duration", "step_over_duration", "samples",
+    "zmp_rms_first_stage", "zmp_rms", "zmp_error_max", "zmp_margin_min", "clearance_min", "clearance_link",
+    "clearance_time",
     "joint_margin_min", "joint_margin_joint", "joint_speed_ratio_max", "joint_speed_joint",
     "com_travel_double_support", "com_acceleration_ratio_max", "adaptations", "planning_time",
 }  # fmt: skip
@@ -34,7 +35,7 @@ SIMULATE_KEYS = {
     "crossed", "fell", "fall_time", "fall_reason", "obstacle_contacts", "clearance_min", "clearance_link", "zmp_rms",
     "landing_force_peak", "waist_error_max", "torque_ratio_max", "speed_ratio_max", "torque_saturated_samples",
     "actuators", "sole", "stabilizer", "duration", "realtime_factor", "state_hash",
-    "speed_violation_samples", "perturb",
+    "speed_violation_samples", "perturb", "engine",
 }  # fmt: skip
 SMALL = ["--height", "0.05", "--width", "0.05"]
 
@@ -116,11 +117,15 @@ class TestPlan:
             (["--output", "m.txt"], ".npz"),
             (["--output", "m"], ".npz"),
             (["--csv", "m.npz"], ".csv"),
+            (["--planner", "best"], "quasi-static"),
+            (["--planner", "quasi-static", "--epsilon", "5"], "epsilon"),
+            (["--height", "0.2"], "--height is given twice"),
             (["--output", "."], "folder"),
         ],
     )
     def test_bad_options(self, arguments, word):
-        refused(call("plan", *SMALL, "--output", "m.npz", *arguments), 2, word)
+        output = [] if "--output" in arguments else ["--output", "m.npz"]
+        refused(call("plan", *SMALL, *output, *arguments), 2, word)
 
     def test_places_are_looked_at_before_the_work(self, monkeypatch):
         monkeypatch.setattr(planner, "plan_in_detail", lambda *_, **__: pytest.fail("it planned"))
@@ -139,6 +144,41 @@ class TestPlan:
         Path("m.npz").write_text("old")
         assert call("plan", *SMALL, "--distance", "0.2", "--output", "m.npz").exit_code == 3
         assert Path("m.npz").read_text() == "old"
+
+    def test_the_quasi_static_planner(self):
+        slow = ["--planner", "quasi-static", "--epsilon", "0.02"]
+        result = call("plan", "--height", "0.15", "--width", "0.05", *slow, "--output", "m.npz", "--json")
+        assert result.exit_code == 0, result.output
+        printed, motion = json.loads(result.stdout), Motion.load("m.npz")
+        own = {"epsilon", "margins_refused"}
+        assert set(printed) == PLAN_KEYS - {"zmp_rms_first_stage", "adaptations", "planning_time"} | own
+        assert (printed["planner"], motion.planner, printed["epsilon"]) == ("quasi-static", "quasi-static", 0.02)
+        assert printed["obstacle"]["margin_height"] == motion.obstacle[4] == 0.01
+        assert "phase 1" in printed["margins_refused"]
+        assert printed["duration"] == pytest.approx(motion.time[-1])
+        told = call("plan", "--height", "0.15", "--width", "0.05", *slow, "--output", "m.npz").stdout
+        assert re.search("^planner +quasi-static$", told, re.MULTILINE)
+        assert re.search("^ZMP to CoM +20 mm at most, epsilon$", told, re.MULTILINE)
+        assert "dynamic filter" not in told
+
+    def test_the_paper_alone(self):
+        result = call("plan", *SMALL, "--no-extras", "--output", "m.npz", "--json")
+        assert json.loads(result.stdout)["adaptations"]["beyond_paper_level"] == 0
+        high = ["--height", "0.25", "--width", "0.05", "--no-extras"]
+        assert call("plan", *high, "--output", "n.npz", "--json").exit_code == 3
+
+    @pytest.mark.parametrize(
+        ("planner", "arguments", "owner"),
+        [
+            ("paper", ["--epsilon", "0.001"], "quasi-static"),
+            ("quasi-static", ["--arms", "auto"], "paper"),
+            ("quasi-static", ["--speed-limits", "ignore"], "paper"),
+            ("quasi-static", ["--extras"], "paper"),
+        ],
+    )
+    def test_an_option_of_another_planner(self, planner, arguments, owner):
+        result = call("plan", *SMALL, "--planner", planner, *arguments, "--output", "m.npz")
+        refused(result, 2, arguments[0], f"option of the planner '{owner}', not of '{planner}'")
 
     def test_interrupted(self, monkeypatch):
         def interrupt(*_, **__):
@@ -192,6 +232,7 @@ class TestSimulate:
             (["nowhere.npz", "--perturb", "push=hard"], "finite number"),
             (["nowhere.npz", "--perturb", "push=nan"], "finite number"),
             (["nowhere.npz", "--perturb", "push=1", "--perturb", "push=2"], "twice"),
+            (["nowhere.npz", "--perturb", "push_x=1", "--perturb", "push_y=2"], "no such file"),
         ],
     )
     def test_bad_options(self, arguments, word):
@@ -223,9 +264,9 @@ class TestSimulate:
         refused(call("simulate", path, "--perturb", "friction=9"), 2, "0.01 to 2")
 
     def test_what_does_not_cross_explains_itself(self, motion):
-        higher = motion.obstacle.copy()
-        higher[2] += 0.15
-        dataclasses.replace(motion, obstacle=higher).save("m.npz")
+        higher = motion.obstacles.copy()
+        higher[0, 2] += 0.15
+        dataclasses.replace(motion, obstacles=higher).save("m.npz")
         result = call("simulate", "m.npz", "--json")
         assert result.exit_code == 4
         assert json.loads(result.stdout)["obstacle_contacts"] > 0
@@ -334,6 +375,24 @@ class TestWhole:
             page = call(name, "--help")
             assert page.exit_code == 0
             assert f"Usage: python -m stepover {name}" in page.stdout
+
+    @pytest.mark.parametrize(
+        ("arguments", "words"),
+        [
+            (["plan", *SMALL, "--output", "m.npz", "--output", "n.npz"], "--output"),
+            (["plan", *SMALL, "--output", "m.npz", "--extras", "--no-extras"], "--extras / --no-extras"),
+            (["simulate", "m.npz", "--sole", "rigid", "--sole=rigid"], "--sole"),
+            (["view", "m.npz", "--output", "m.html", "--time", "1", "--time", "2"], "--time"),
+            (["study", "m.npz", "--output", "m.csv", "--seed", "1", "--seed", "2"], "--seed"),
+            (["sweep", "--heights", "0.1", "--heights", "0.2", "--output", "m.csv"], "--heights"),
+            (["reproduce", "--only", "a", "--only", "b"], "--only"),
+        ],
+    )
+    def test_an_option_given_twice(self, arguments, words):
+        refused(call(*arguments), 2, f"{words} is given twice", f"{arguments[0]} --help")
+
+    def test_every_command_refuses_an_option_given_twice(self):
+        assert all(isinstance(command, Command) for command in main.commands.values())
 
     def test_version(self):
         assert __version__ in call("--version").stdout

@@ -9,9 +9,10 @@ import pytest
 from conftest import yaw_of
 
 from stepover.model import pose
+from stepover.motion.footsteps import LEG_1, LEG_2
 from stepover.planning.algorithm_1.com_waist import com_and_waist
 from stepover.planning.algorithm_1.preview_control import kajita_gains, track
-from stepover.planning.algorithm_1.step_sequence import LEG_1, LEG_2, step_sequence
+from stepover.planning.algorithm_1.step_sequence import step_sequence
 
 
 @pytest.fixture(scope="module")

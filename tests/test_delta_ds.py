@@ -36,7 +36,7 @@ def test_it_is_the_plans_own(robot, obstacle, planned):
     """From the arrays of the planned 15 cm case: its first stage, the middle of its phase 2."""
     over = planned.motion.samples(2)
     rear, front = np.sort([planned.motion.left_foot[over.start, 0], planned.motion.right_foot[over.start, 0]])
-    waist = planned.first_stage.waist[(over.start + over.stop) // 2, 0]
+    waist = planned.nominal.first_stage.waist[(over.start + over.stop) // 2, 0]
     expected = (waist - rear) / (front - rear)
     assert delta_ds_stepping_over(robot, obstacle, planned.key.x_ads).waist == pytest.approx(expected, abs=1e-9)
 

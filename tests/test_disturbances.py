@@ -165,7 +165,7 @@ def test_obstacle_moves_and_grows(motion: Motion, robot: Robot) -> None:
 
 def test_ground_is_higher_where_it_is_named(motion: Motion) -> None:
     steps = motion.footsteps
-    leg_1 = int(np.flatnonzero(steps[:, 5] == 2)[0])
+    leg_1 = int(np.flatnonzero(steps.kind == 2)[0])
     floor = Disturbances.read({"ground_leg_1": 0.01, "ground_2": -0.005}, motion).floor(motion)
     assert floor[leg_1] == 0.01
     assert floor[1] == -0.005
@@ -185,7 +185,7 @@ def test_floors_move_while_their_foot_is_in_the_air(motion: Motion) -> None:
 @pytest.mark.parametrize("height", [0.008, -0.008])
 def test_a_foot_lands_on_its_own_ground(motion: Motion, robot: Robot, height: float) -> None:
     """The first step: the foot touches down earlier on higher ground, and comes to rest at its height."""
-    landing, side = motion.footsteps[0, :2]
+    landing, side = motion.footsteps.time[0], motion.footsteps.side[0]
     touch_down = round(landing / motion.dt)
     part = samples_of(motion, np.arange(touch_down + (10 if height > 0.0 else 60)))
     run = simulate(part, robot=robot, obstacle=False, actuators="limited", perturb={"ground_1": height})

@@ -56,13 +56,13 @@ def test_it_begins_before_the_error_and_is_linear(robot, waist):
 
 def test_on_the_whole_body_one_pass_takes_most_of_the_error(robot, planned):
     """From the first stage's waist and feet, by inverse kinematics and the multi-body ZMP, as in Algorithm 1."""
-    body, dt, first = robot.body, robot.walk.sample_time, planned.first_stage.waist
-    feet, reference = planned.feet, planned.sequence.zmp
+    body, dt, first = robot.body, robot.walk.sample_time, planned.nominal.first_stage.waist
+    feet, reference = planned.nominal.feet, planned.sequence.zmp
 
     def zmp_of(waist):
         q = np.tile(robot.half_sitting(), (len(waist), 1))
         q[:, :7] = waist
-        q[:, body.column("CHEST_JOINT0")] = -planned.first_stage.yaw
+        q[:, body.column("CHEST_JOINT0")] = -planned.nominal.first_stage.yaw
         for side in (1, -1):
             q[:, robot.leg(side).columns] = robot.leg(side).inverse(waist, feet.foot(side))
         return body.zmp(q, dt)

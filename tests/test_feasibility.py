@@ -11,7 +11,7 @@ import pytest
 from stepover import Infeasible, Obstacle
 from stepover.model import pose
 from stepover.model.collision import exact_distance
-from stepover.planning.algorithm_1.feasibility import key_configurations, key_postures
+from stepover.planning.algorithm_1.feasibility import KeyCandidates, key_configurations, key_postures
 
 
 def posture(robot, key, leading=-1):
@@ -70,7 +70,7 @@ def test_the_search_finds_what_judging_every_posture_finds(robot, height):
     steps = np.arange(shortest, search.step_length_max + 1e-9, search.step_length_step)
     heights = np.arange(robot.posture.waist_height, search.waist_height_min - 1e-9, -search.waist_height_step)
     x_ads, z_hds = (axis.ravel() for axis in np.meshgrid(steps, heights, indexing="ij"))
-    good = key_postures(robot, obstacle, x_ads, 0.5 * x_ads, z_hds, found[0].yaw).good(search.spare)
+    good = key_postures(robot, obstacle, KeyCandidates(x_ads, 0.5 * x_ads, z_hds, found[0].yaw)).good(search.spare)
     good &= x_ads <= x_ads[good].min() + search.step_length_more + 1e-9
     assert [(key.x_ads, key.z_hds) for key in found] == list(zip(x_ads[good], z_hds[good], strict=True))
 

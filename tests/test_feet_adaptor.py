@@ -3,55 +3,58 @@ import pickle
 import numpy as np
 import pytest
 
-from stepover.errors import Infeasible, NoWay
+from stepover.errors import Infeasible, TrailingLegBlocked
 from stepover.model.obstacle import Obstacle
-from stepover.planning.algorithm_1 import adaptor_ways
-from stepover.planning.algorithm_1.adaptor_ways import (
+from stepover.motion.footsteps import LEG_2
+from stepover.planning.algorithm_1 import shift_and_raise
+from stepover.planning.algorithm_1.beyond_paper import extra_shape, extra_zmp
+from stepover.planning.algorithm_1.com_waist import com_and_waist
+from stepover.planning.algorithm_1.feasibility import key_configurations
+from stepover.planning.algorithm_1.feet_adaptor import adapt_feet, push_ankle
+from stepover.planning.algorithm_1.feet_trajectories import feet_trajectories
+from stepover.planning.algorithm_1.plan import Options
+from stepover.planning.algorithm_1.planner import algorithm_1, plan_in_detail
+from stepover.planning.algorithm_1.shift_and_raise import (
     raise_waist,
     shift_back,
     stance_clearances,
     swing_clearances,
     waist_bump,
 )
-from stepover.planning.algorithm_1.beyond_paper import extra_shape, extra_zmp
-from stepover.planning.algorithm_1.com_waist import com_and_waist
-from stepover.planning.algorithm_1.feasibility import key_configurations
-from stepover.planning.algorithm_1.feet_adaptor import adapt_feet, push_ankle
-from stepover.planning.algorithm_1.feet_trajectories import feet_trajectories
-from stepover.planning.algorithm_1.planned import Effort
-from stepover.planning.algorithm_1.planner import algorithm_1, plan_in_detail
-from stepover.planning.algorithm_1.step_sequence import LEG_2, step_sequence
+from stepover.planning.algorithm_1.step_sequence import Crossing, step_sequence
 from stepover.planning.checks import measure
-from stepover.planning.leg_check import check_legs
+from stepover.planning.leg_check import LegLimits, check_legs
+from stepover.planning.trajectories import WaistAndFeet
 
 
 @pytest.fixture(scope="module")
 def high(robot):
-    """25 cm before FTA, with the ZMP inside the soles: obstacle, sequence, waist, feet."""
+    """25 cm before FTA, with the ZMP inside the soles: robot, obstacle and steps; waist and feet."""
     obstacle = Obstacle(0.25, 0.05)
     key = next(key for key in key_configurations(robot, obstacle) if key.x_ads > 0.505 and key.z_hds < 0.64)
     sequence = extra_zmp(robot, step_sequence(robot, obstacle, key, robot.rest_zmp()), 2)
-    feet = feet_trajectories(robot, obstacle, sequence, extra_shape(robot, 2))
-    return obstacle, sequence, com_and_waist(robot, sequence, key).waist, feet
+    crossing = Crossing(robot, obstacle, sequence)
+    feet = feet_trajectories(crossing, extra_shape(robot, 2))
+    return crossing, WaistAndFeet(com_and_waist(robot, sequence, key).waist, feet)
 
 
-def depth(robot, obstacle, sequence, waist, feet):
+def depth(crossing, waist, feet):
     """Smallest separation of the legs in phase 3 [m]."""
-    step = sequence.step(LEG_2)
+    step = crossing.sequence.step(LEG_2)
     swing = slice(step.lift_off, step.touch_down + 1)
-    rectangle = obstacle.profile(sequence.front_face, margins=True)
-    return check_legs(robot, waist[swing], feet.left[swing], feet.right[swing], rectangle, 0.0).separation.min()
+    limits = LegLimits(crossing.obstacle.profile(crossing.sequence.front_face, margins=True), 0.0)
+    return check_legs(crossing.robot, WaistAndFeet(waist, feet).at(swing), limits).separation.min()
 
 
 def test_nothing_to_do_at_15_cm(planned):
     assert not planned.adaptation.acted
     assert planned.adaptation.clear
     assert np.isnan(planned.adaptation.start)
-    np.testing.assert_array_equal(planned.motion.left_foot, planned.feet.left)
+    np.testing.assert_array_equal(planned.motion.left_foot, planned.nominal.feet.left)
 
 
 def test_method_1_moves_the_swing_foot_back_and_nothing_else(robot, high):
-    _, sequence, _, feet = high
+    sequence, feet = high[0].sequence, high[1].feet
     step = sequence.step(LEG_2)
     moved = shift_back(robot, feet, step, 0.1)
     change = moved.left - feet.left
@@ -67,15 +70,17 @@ def test_method_1_moves_the_swing_foot_back_and_nothing_else(robot, high):
 
 
 def test_method_1_frees_the_shank(robot, high):
-    obstacle, sequence, waist, feet = high
-    before = depth(robot, obstacle, sequence, waist, feet)
-    after = depth(robot, obstacle, sequence, waist, shift_back(robot, feet, sequence.step(LEG_2), 0.2))
+    crossing, poses = high
+    sequence, waist, feet = crossing.sequence, poses.waist, poses.feet
+    before = depth(crossing, waist, feet)
+    after = depth(crossing, waist, shift_back(robot, feet, sequence.step(LEG_2), 0.2))
     assert before < -0.02
     assert after > before + 0.01
 
 
 def test_method_2_raises_the_waist_in_phase_3_only(robot, high):
-    obstacle, sequence, waist, feet = high
+    crossing, poses = high
+    sequence, waist, feet = crossing.sequence, poses.waist, poses.feet
     step = sequence.step(LEG_2)
     bump = waist_bump(robot, sequence, 0.04)
     assert bump.max() == pytest.approx(0.04, abs=1e-4)
@@ -83,28 +88,29 @@ def test_method_2_raises_the_waist_in_phase_3_only(robot, high):
     assert np.abs(bump[step.touch_down :]).max() < 1e-12
     raised = raise_waist(robot, sequence, waist, 0.04)
     np.testing.assert_array_equal(raised[:, [0, 1, 3, 4, 5, 6]], waist[:, [0, 1, 3, 4, 5, 6]])
-    assert depth(robot, obstacle, sequence, raised, feet) > depth(robot, obstacle, sequence, waist, feet)
+    assert depth(crossing, raised, feet) > depth(crossing, waist, feet)
 
 
 def test_method_3_is_what_frees_20_by_8_cm(robot):
     obstacle = Obstacle(0.20, 0.08)
     keys = key_configurations(robot, obstacle)
     key = min(keys, key=lambda key: abs(key.x_ads - 0.479) + abs(key.z_hds - robot.posture.waist_height))
-    with_it = algorithm_1(robot, obstacle, key, Effort("auto", level=1))
+    with_it = algorithm_1(robot, obstacle, key, Options("auto", level=1))
     assert 0.0 < with_it.adaptation.pushed <= robot.adaptor.push_total
-    with pytest.raises(Infeasible, match="FTA finds no way: LLEG_LINK3 stays"):
-        algorithm_1(robot, obstacle, key, Effort("auto", methods=(1, 2), level=1))
+    with pytest.raises(Infeasible, match="FTA cannot free the trailing leg: LLEG_LINK3 stays"):
+        algorithm_1(robot, obstacle, key, Options("auto", methods=(1, 2), level=1))
 
 
 def test_method_3_pushes_smoothly_and_leaves_lift_off_and_landing(robot, high):
-    obstacle, sequence, waist, feet = high
+    crossing, poses = high
+    sequence, waist, feet = crossing.sequence, poses.waist, poses.feet
     step = sequence.step(LEG_2)
     raised = raise_waist(robot, sequence, waist, 0.04)
     start = shift_back(robot, feet, step, 0.25)
-    before = depth(robot, obstacle, sequence, raised, start)
-    pushed = push_ankle(robot, obstacle, sequence, raised, start)
+    before = depth(crossing, raised, start)
+    pushed = push_ankle(crossing, WaistAndFeet(raised, start))
     assert before < -0.005
-    assert depth(robot, obstacle, sequence, raised, pushed) > before + 0.003
+    assert depth(crossing, raised, pushed) > before + 0.003
     change = (pushed.left - start.left)[:, :3]
     assert not change[: step.lift_off + 1].any()
     assert not change[step.touch_down :].any()
@@ -114,47 +120,48 @@ def test_method_3_pushes_smoothly_and_leaves_lift_off_and_landing(robot, high):
 
 
 def test_all_three_end_clear(robot, high):
-    obstacle, sequence, waist, feet = high
-    result = adapt_feet(robot, obstacle, sequence, waist, feet)
+    crossing, poses = high
+    sequence, waist = crossing.sequence, poses.waist
+    result = adapt_feet(crossing, poses)
     assert result.clear
     assert result.acted
     assert sequence.time[sequence.step(LEG_2).lift_off] <= result.start < result.end
     lifted = raise_waist(robot, sequence, waist, result.raised)
-    assert depth(robot, obstacle, sequence, lifted, result.feet) >= 0.0
+    assert depth(crossing, lifted, result.feet) >= 0.0
     np.testing.assert_allclose(lifted[:, 2] - waist[:, 2], result.waist_raise, atol=1e-12)
 
 
-def test_looking_closer_step_by_step_misses_no_way(robot, high):
-    obstacle, sequence, waist, feet = high
-    result = adapt_feet(robot, obstacle, sequence, waist, feet)
-    adaptor = robot.adaptor
+def test_looking_closer_step_by_step_misses_no_candidate(robot, high):
+    crossing, poses = high
+    result = adapt_feet(crossing, poses)
+    adaptor, every = robot.adaptor, round(robot.adaptor.look_every / robot.walk.sample_time)
     raises = np.arange(0.0, adaptor.raise_max + 1e-9, adaptor.raise_step)
     shifts = np.arange(0.0, adaptor.shift_max + 1e-9, adaptor.shift_step)
-    ways = np.array([(height, shift) for height in raises for shift in shifts])
-    stance = stance_clearances(robot, obstacle, sequence, waist, feet, ways[:, 0], adaptor.look_every)
-    free = np.minimum(stance, swing_clearances(robot, obstacle, sequence, waist, feet, ways, adaptor.look_every))
+    candidates = np.array([(height, shift) for height in raises for shift in shifts])
+    stance = stance_clearances(crossing, poses, candidates[:, 0], every)
+    free = np.minimum(stance, swing_clearances(crossing, poses, candidates, every))
     enough = np.flatnonzero(free >= adaptor.spare)
-    assert 0 < len(enough) < 0.9 * len(ways)
-    np.testing.assert_allclose([result.raised, result.shift], ways[enough[0]])
+    assert 0 < len(enough) < 0.9 * len(candidates)
+    np.testing.assert_allclose([result.raised, result.shift], candidates[enough[0]])
 
 
 @pytest.mark.parametrize("depth", [-0.03, -0.005])
-def test_of_ways_that_differ_by_rounding_the_least_is_taken(robot, high, monkeypatch, depth):
-    obstacle, sequence, waist, feet = high
+def test_of_candidates_that_differ_by_rounding_the_least_is_taken(robot, high, monkeypatch, depth):
+    crossing, poses = high
     noise = np.random.default_rng(1)
     for leg in ("stance", "swing"):
-        alike = lambda *args: depth + noise.normal(0.0, 1e-17, len(args[5]))  # noqa: E731
-        monkeypatch.setattr(adaptor_ways, f"{leg}_clearances", alike)
-    result = adapt_feet(robot, obstacle, sequence, waist, feet)
+        alike = lambda *args: depth + noise.normal(0.0, 1e-17, len(args[2]))  # noqa: E731
+        monkeypatch.setattr(shift_and_raise, f"{leg}_clearances", alike)
+    result = adapt_feet(crossing, poses)
     assert (result.raised, result.shift) == (0.0, 0.0)
 
 
 def test_without_any_method_it_says_what_remains(robot, high):
-    obstacle, sequence, waist, feet = high
-    result = adapt_feet(robot, obstacle, sequence, waist, feet, methods=())
+    crossing, poses = high
+    result = adapt_feet(crossing, poses, methods=())
     assert not result.clear
     assert not result.acted
-    error = result.explain(robot, obstacle, sequence, waist)
+    error = result.explain(crossing, poses.waist)
     assert "LLEG_LINK3" in str(error)
     assert f"{1e3 * error.short:.1f} mm inside" in str(error)
 
@@ -162,11 +169,11 @@ def test_without_any_method_it_says_what_remains(robot, high):
 def test_what_is_too_much_for_method_3_is_not_pushed_and_explained_when_asked(robot):
     obstacle = Obstacle(0.25, 0.05)
     first = key_configurations(robot, obstacle)[0]
-    with pytest.raises(NoWay) as caught:
-        algorithm_1(robot, obstacle, first, Effort(level=1))
+    with pytest.raises(TrailingLegBlocked) as caught:
+        algorithm_1(robot, obstacle, first, Options(level=1))
     assert caught.value.short > robot.adaptor.push_max
     said = caught.value.explain()
-    assert "FTA finds no way: LLEG_LINK3 stays" in str(said)
+    assert "FTA cannot free the trailing leg: LLEG_LINK3 stays" in str(said)
     assert "phase 3" in str(said)
     assert str(caught.value) == str(said)
     elsewhere = pickle.loads(pickle.dumps(caught.value))
@@ -178,7 +185,7 @@ def test_at_25_cm_nothing_goes_without_the_two_units(robot):
     obstacle = Obstacle(0.25, 0.05)
     first = key_configurations(robot, obstacle)[0]
     with pytest.raises(Infeasible, match="RLEG_JOINT3 over-stretches"):
-        algorithm_1(robot, obstacle, first, Effort("off", methods=()))
+        algorithm_1(robot, obstacle, first, Options("off", methods=()))
 
 
 @pytest.fixture(scope="module")
@@ -204,10 +211,10 @@ def test_at_25_cm_both_units_act_on_leg_2(crossing):
     assert record["fta"]["leg"] == "leg 2"
     phase = crossing.motion.time[crossing.motion.samples(3)]
     assert phase[0] - 0.01 <= record["fta"]["start"] < record["fta"]["end"] <= phase[-1] + 0.01
-    np.testing.assert_array_equal(crossing.motion.right_foot, crossing.feet.right)
+    np.testing.assert_array_equal(crossing.motion.right_foot, crossing.nominal.feet.right)
 
 
 def test_25_cm_takes_more_than_the_paper_says(robot):
     with pytest.raises(Infeasible):
         plan_in_detail(robot, Obstacle(0.25, 0.05), extras=False, look_for_nearest=False)
-    assert plan_in_detail(robot, Obstacle(0.2, 0.05), extras=False).effort.level == 0
+    assert plan_in_detail(robot, Obstacle(0.2, 0.05), extras=False).options.level == 0

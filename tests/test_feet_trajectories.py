@@ -9,9 +9,11 @@ from conftest import yaw_of
 from stepover import Obstacle
 from stepover.model import pose
 from stepover.model.robot import Robot
+from stepover.motion.footsteps import BEFORE, LEG_1, LEG_2
 from stepover.planning.algorithm_1.feasibility import key_configurations
-from stepover.planning.algorithm_1.feet_trajectories import clamped_spline, feet_trajectories, landing
-from stepover.planning.algorithm_1.step_sequence import BEFORE, LEG_1, LEG_2, step_sequence
+from stepover.planning.algorithm_1.feet_trajectories import feet_trajectories
+from stepover.planning.algorithm_1.step_sequence import Crossing, step_sequence
+from stepover.planning.splines import clamped_spline, landing
 
 HEEL, TOE, THICKNESS = 0.1056, 0.1356, 0.030  # the foot's envelope from the ankle, and its lower box's height
 DT = 0.005
@@ -20,7 +22,7 @@ DT = 0.005
 def of(robot: Robot, obstacle: Obstacle):
     """The steps and FTG's own trajectories to an obstacle, nothing adapted."""
     sequence = step_sequence(robot, obstacle, key_configurations(robot, obstacle)[0], np.zeros(2))
-    return sequence, feet_trajectories(robot, obstacle, sequence)
+    return sequence, feet_trajectories(Crossing(robot, obstacle, sequence))
 
 
 @pytest.fixture(scope="module")

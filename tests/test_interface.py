@@ -14,6 +14,7 @@ import pytest
 from packaging.requirements import Requirement
 
 import stepover
+from stepover.extras import EXTRAS, LAST_PYTHON
 from stepover.locations import data_folder
 
 ROOT = data_folder().parent
@@ -24,7 +25,7 @@ PYPROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
 # The rooms, from the ground up: nobody imports from above.
 FLOORS = (
     ("stepover.errors",),
-    ("stepover.locations", "stepover.output"),
+    ("stepover.extras", "stepover.locations", "stepover.output"),
     ("stepover.model",),
     ("stepover.robots",),
     ("stepover.motion",),
@@ -241,21 +242,50 @@ def test_every_dependency_is_pinned_at_a_version_that_will_do():
     assert len(pins) == len(lines)
     project = PYPROJECT["project"]
     groups = [project["dependencies"], *project["optional-dependencies"].values()]
-    for requirement in (Requirement(text) for group in groups for text in group):
+    every = (Requirement(text) for group in groups for text in group)
+    for requirement in (one for one in every if one.name != "stepover"):
         assert requirement.name in pins, requirement
         assert requirement.specifier.contains(pins[requirement.name]), requirement
 
 
+DISTRIBUTIONS = {
+    "IPython": "ipython",
+    "pinocchio": "pin",
+    "PIL": "pillow",
+    "pybullet_data": "pybullet",
+    "pybullet_utils": "pybullet",
+}
+
+
+def distribution(module: str) -> str:
+    """What installs a module."""
+    return DISTRIBUTIONS.get(module, module.replace("_", "-"))
+
+
+def required(group: list[str]) -> set[str]:
+    """Names of the requirements of a group."""
+    return {Requirement(text).name for text in group}
+
+
 def test_imported_libraries_are_dependencies():
-    distributions = {
-        "IPython": "ipython",
-        "pinocchio": "pin",
-        "PIL": "pillow",
-        "pybullet_data": "pybullet",
-        "pybullet_utils": "pybullet",
-    }
-    groups = PYPROJECT["project"]["dependencies"], PYPROJECT["project"]["optional-dependencies"]["dask"]
-    declared = {Requirement(text).name for group in groups for text in group}
     imported = {name.split(".")[0] for path in FILES for name in imports(path)}
     foreign = imported - set(sys.stdlib_module_names) - {"stepover"}
-    assert {distributions.get(name, name.replace("_", "-")) for name in foreign} <= declared
+    core = required(PYPROJECT["project"]["dependencies"])
+    assert {distribution(name) for name in foreign - set(EXTRAS)} == core
+    assert core == {"numpy", "scipy", "pin", "coal", "click", "tqdm"}
+
+
+def test_each_optional_library_is_in_its_extra():
+    extras = PYPROJECT["project"]["optional-dependencies"]
+    for module, extra in EXTRAS.items():
+        assert distribution(module) in required(extras[extra]), module
+    assert extras["pybullet"] == ["pybullet>=3.2.7; python_version < '3.12'"]
+    assert LAST_PYTHON == {"pybullet": (3, 11)}
+
+
+def test_inner_modules_take_only_the_version_from_the_package_itself():
+    """A lazily loaded name would hide an import from the fingerprint of a study."""
+    for path in (path for path in FILES if not inside(module_name(path), "stepover.cli")):
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.ImportFrom) and node.module == "stepover":
+                assert [alias.name for alias in node.names] == ["__version__"], path

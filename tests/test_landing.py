@@ -29,8 +29,8 @@ from stepover.analysis.landing.swings import (
 from stepover.control.sensors import Sensed
 from stepover.errors import InvalidInput
 from stepover.model.pose import pose
+from stepover.motion.footsteps import LEG_1
 from stepover.planning.algorithm_1.feet_trajectories import Swing, fourth_order
-from stepover.planning.algorithm_1.step_sequence import LEG_1
 from stepover.planning.checks import measure, require
 from stepover.report.tables import landing as landing_tables
 from stepover.report.tables.landing import PAPER_NAIVE, PAPER_SHAPED, nearest_pairs, pair
@@ -77,7 +77,7 @@ def test_the_fourth_order_swing_is_the_polynomial_of_its_five_conditions():
 
 def test_its_speed_near_the_floor(robot, obstacle, planned):
     """Of z = 16 a s^2 (1-s)^2 at height h: s (1-s) = sqrt(h / a) / 4 =: u, and dz/ds = -32 a u sqrt(1 - 4 u)."""
-    profile = profile_of(robot, obstacle, planned.sequence, NAIVE)
+    profile = profile_of(planned.nominal.crossing, NAIVE)
     apex = profile.height.max()
     u = np.sqrt(0.010 / apex) / 4.0
     expected = 32.0 * apex * u * np.sqrt(1.0 - 4.0 * u) / 1.5
@@ -87,37 +87,35 @@ def test_its_speed_near_the_floor(robot, obstacle, planned):
 
 def test_the_shaped_swing_near_the_floor(robot, obstacle, planned):
     """A parabola from the height with margin at 0.74 of the time: its speed at h is 2 sqrt(h top) / (0.26 T)."""
-    profile = profile_of(robot, obstacle, planned.sequence, SHAPED)
+    profile = profile_of(planned.nominal.crossing, SHAPED)
     expected = 2.0 * np.sqrt(0.010 * 0.18) / (0.26 * 1.5)
     assert profile.speed_near_floor(0.010) == pytest.approx(expected, rel=0.01)
     assert np.degrees(profile.pitch.min()) == pytest.approx(-2.0, abs=0.01)
 
 
 def test_the_naive_swing_is_as_low_as_the_margins_allow(robot, obstacle, planned):
-    swing = leg_1_swing(robot, obstacle, planned.sequence, NAIVE)
+    swing = leg_1_swing(planned.nominal.crossing, NAIVE)
     back, front, _, top = obstacle.profile(planned.sequence.front_face, margins=True)
     over = (swing.x + robot.foot.toe > back + 1e-9) & (swing.x - robot.foot.heel < front - 1e-9)
     assert swing.z[over].min() == pytest.approx(top, abs=1e-9)
     share = np.linspace(0.0, 1.0, len(swing.z))
-    assert lowest_apex(robot, obstacle, planned.sequence.front_face, swing.x, share) == pytest.approx(
-        swing.z.max(), rel=1e-3
-    )
-    same = leg_1_swing(robot, obstacle, planned.sequence, SAME_APEX)
-    shaped = leg_1_swing(robot, obstacle, planned.sequence, SHAPED)
+    assert lowest_apex(planned.nominal.crossing, swing.x, share) == pytest.approx(swing.z.max(), rel=1e-3)
+    same = leg_1_swing(planned.nominal.crossing, SAME_APEX)
+    shaped = leg_1_swing(planned.nominal.crossing, SHAPED)
     assert same.z.max() == pytest.approx(shaped.z.max(), rel=1e-4)
     assert same.z[over].min() < top, "it cuts into the margin"
 
 
 def test_an_unknown_swing_is_refused(robot, obstacle, planned):
     with pytest.raises(InvalidInput, match="'clever' must be one of shaped, naive"):
-        leg_1_swing(robot, obstacle, planned.sequence, "clever")
+        leg_1_swing(planned.nominal.crossing, "clever")
 
 
 # Whole motions
 
 
 def test_the_plans_own_feet_give_the_plan(robot, planned):
-    again = with_feet(robot, planned, planned.feet)
+    again = with_feet(planned, planned.nominal.feet)
     for name in ("q", "waist", "com", "zmp", "zmp_first_stage"):
         np.testing.assert_array_equal(getattr(again, name), getattr(planned.motion, name))
 
@@ -135,12 +133,12 @@ def test_the_naive_motion_lands_where_and_when_the_shaped_one_does(robot, motion
             swings[step.lift_off + 1 : step.touch_down] = True
         assert not changed[~swings].any()
     assert np.abs(naive.foot(step.side) - motion.foot(step.side)).max() > 0.03
-    np.testing.assert_array_equal(naive.footsteps, motion.footsteps)
+    np.testing.assert_array_equal(naive.footsteps.rows(), motion.footsteps.rows())
 
 
 def test_the_naive_motion_is_whole(robot, obstacle, naive):
     """Inverse kinematics and the filter ran anew: it keeps what any plan must keep."""
-    require(robot, obstacle, naive)
+    require(robot, naive)
     assert max(measure(robot, naive).zmp_rms) < 0.003
     for side in (1, -1):
         leg = robot.leg(side)
@@ -248,6 +246,19 @@ def test_the_force_is_that_of_simulate(robot, motion):
     assert found.weight == pytest.approx(9.81 * robot.body.mass)
 
 
+def test_pushes_count_in_a_landing(robot, motion):
+    """1,500 N from t = 4 s: simulate falls at 4.2 s, and so does the landing."""
+    push = {"push_x": 1500.0, "push_time": 4.0}
+    calm, pushed = (land(robot, motion, perturb=perturb) for perturb in ({}, push))
+    run = simulate(motion, robot=robot, actuators="limited", sole="compliant", stabilizer=True, perturb=push)
+    assert run.fall_time == pytest.approx(4.2, abs=0.1)
+    assert pushed.fell
+    assert pushed.fell in run.fall_reason
+    assert calm.fell == ""
+    assert abs(pushed.peak - calm.peak) > 50.0 or np.isnan(pushed.peak)
+    assert len(pushed.raw) == len(calm.raw)
+
+
 # The landing control
 
 
@@ -348,7 +359,7 @@ def test_settings_scale_what_the_robot_says(robot):
 
 def test_verdicts_are_about_equal_times_on_the_published_rubber(robot, obstacle, planned):
     claims = read_claims()
-    profiles = [profile_of(robot, obstacle, planned.sequence, name) for name in (SHAPED, NAIVE)]
+    profiles = [profile_of(planned.nominal.crossing, name) for name in (SHAPED, NAIVE)]
     curves = through_control_points(robot, obstacle)
     rest = by_hand(9.0, PAPER_NAIVE, PAPER_SHAPED, FITTED) + by_hand(900.0, 9.0, 450.0, BASES[1])
     for naive, shaped, expected in (

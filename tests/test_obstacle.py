@@ -1,4 +1,4 @@
-"""model/obstacle.py: o_h, o_w, s_h, s_w of the paper."""
+"""model/obstacle.py, o_h, o_w, s_h, s_w of the paper; model/course.py, several of them."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import math
 import numpy as np
 import pytest
 
-from stepover import InvalidInput, Obstacle, StepOverError
+from stepover import Course, InvalidInput, Obstacle, StepOverError
 
 BAD_LENGTHS = [-0.1, math.nan, math.inf, -math.inf, "0.1", [0.1], 10**400]
 
@@ -50,6 +50,50 @@ def test_zero_is_no_obstacle(name):
 def test_margins_may_be_zero():
     bare = Obstacle(0.15, 0.05, margin_height=0.0, margin_width=0.0)
     np.testing.assert_array_equal(bare.profile(1.0, margins=True), bare.profile(1.0, margins=False))
+
+
+@pytest.mark.parametrize("yaw", [math.nan, math.inf, 1.6, -1.6, "0.1", [0.1]], ids=repr)
+def test_a_yaw_that_is_no_angle_across_the_path_is_refused(yaw):
+    with pytest.raises(InvalidInput, match="yaw") as caught:
+        Obstacle(0.15, 0.05, yaw=yaw)
+    assert "\n" not in str(caught.value)
+
+
+def test_an_obstacle_may_be_turned():
+    assert Obstacle(0.15, 0.05).yaw == 0.0
+    assert Obstacle(0.15, 0.05, yaw=-0.3).yaw == -0.3
+
+
+def test_a_course_keeps_its_obstacles_in_order():
+    near, far = Obstacle(0.15, 0.05, distance=0.6), Obstacle(0.25, 0.10, distance=2.4)
+    assert Course([near, far]).obstacles == (near, far)
+    assert Course([near, far]) == Course((near, far))
+    assert Course([Obstacle(0.15, 0.05)]).obstacles[0].distance is None
+
+
+@pytest.mark.parametrize(
+    ("obstacles", "words"),
+    [
+        ([], "at least one"),
+        (Obstacle(0.15, 0.05), "list of obstacles"),
+        ("high", "list of obstacles"),
+        ([0.15], "obstacle 1 of the course must be of type Obstacle"),
+        ([Obstacle(0.1, 0.1, distance=0.6), Obstacle(0.1, 0.1)], "obstacle 2 of the course needs a distance"),
+        ([Obstacle(0.1, 0.1, distance=2.4), Obstacle(0.1, 0.1, distance=0.6)], "here it is -1.900 m"),
+        ([Obstacle(0.1, 0.1, distance=0.6), Obstacle(0.1, 0.1, distance=0.7)], "must have a gap"),
+        ([Obstacle(0.1, 0.1, distance=0.6, yaw=1.2), Obstacle(0.1, 0.1, distance=0.8)], "must have a gap"),
+    ],
+)
+def test_a_course_that_cannot_stand_there_is_refused(obstacles, words):
+    with pytest.raises(InvalidInput, match=words) as caught:
+        Course(obstacles)
+    assert "\n" not in str(caught.value)
+
+
+def test_neighbours_need_no_more_than_a_gap():
+    first = Obstacle(0.1, 0.1, distance=0.6)
+    assert len(Course([first, Obstacle(0.1, 0.1, distance=0.71)]).obstacles) == 2
+    assert len(Course([dataclasses.replace(first, yaw=1.2), Obstacle(0.1, 0.1, distance=0.9)]).obstacles) == 2
 
 
 def test_it_cannot_be_changed():

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 import tomllib
-import xml.etree.ElementTree as ET
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -18,11 +17,11 @@ from stepover import Infeasible, InvalidInput, Obstacle, load_robot, plan, simul
 from stepover.analysis.delta_ds import delta_ds_stepping_over
 from stepover.locations import data_folder
 from stepover.model.body import Body
+from stepover.model.description.urdf_text import urdf_text
 from stepover.planning.algorithm_1.feasibility import key_configurations
 from stepover.robots.files import find_mesh, find_urdf
+from stepover.robots.urdf import read_urdf
 from stepover.simulation.pybullet.client import load_body, pybullet, silenced
-from stepover.simulation.pybullet.description import Description
-from stepover.simulation.pybullet.rigid import merge_fixed
 
 JVRC1 = data_folder() / "jvrc1"
 needs_jvrc1 = pytest.mark.skipif(
@@ -88,7 +87,7 @@ def test_it_weighs_in_pybullet_what_it_weighs(jvrc1):
         client = pybullet.connect(pybullet.DIRECT)
     try:
         with silenced():
-            body = load_body(jvrc1, client)
+            body = load_body(jvrc1.description, client)
         links = range(-1, pybullet.getNumJoints(body, client))
         names = ["", *(pybullet.getJointInfo(body, link, client)[1].decode() for link in links[1:])]
         masses = [pybullet.getDynamicsInfo(body, link, client)[0] for link in links]
@@ -107,23 +106,28 @@ def test_it_weighs_in_pybullet_what_it_weighs(jvrc1):
 
 @needs_jvrc1
 def test_merged_it_moves_as_pinocchio_says(jvrc1):
-    same_dynamics(Description(jvrc1).text(), jvrc1.body.model)
+    model = pin.buildModelFromUrdf(str(jvrc1.urdf_path), pin.JointModelFreeFlyer())
+    same_dynamics(urdf_text(jvrc1.description), model)
 
 
-def test_fixed_parts_are_merged_as_pinocchio_does_it():
-    root = ET.fromstring(FIXED)
-    assert merge_fixed(root)
-    assert [link.get("name") for link in root.findall("link")] == ["base", "c"]
-    same_dynamics(ET.tostring(root, encoding="unicode"), pin.buildModelFromXML(FIXED, pin.JointModelFreeFlyer()))
+@pytest.fixture
+def fixed(tmp_path):
+    """The path of a URDF with links on fixed joints."""
+    path = tmp_path / "fixed.urdf"
+    path.write_text(FIXED)
+    return path
 
 
-def test_a_robot_without_fixed_parts_stays_as_it_is(robot):
-    assert not Description(robot).changed
+def test_fixed_parts_are_merged_as_pinocchio_does_it(fixed):
+    description, _ = read_urdf(fixed)
+    assert [link.name for link in description.links] == ["base", "c"]
+    same_dynamics(urdf_text(description), pin.buildModelFromXML(FIXED, pin.JointModelFreeFlyer()))
 
 
-def test_a_moving_link_without_mass_is_named():
-    with pytest.raises(InvalidInput, match="'c' has no mass"):
-        merge_fixed(ET.fromstring(re.sub(r'<link name="c">.*?</link>', '<link name="c"/>', FIXED)))
+def test_a_moving_link_without_mass_is_named(fixed):
+    fixed.write_text(re.sub(r'<link name="c">.*?</link>', '<link name="c"/>', FIXED))
+    with pytest.raises(InvalidInput, match=r"'c'.* has no mass"):
+        read_urdf(fixed)
 
 
 @needs_jvrc1
@@ -157,7 +161,7 @@ def test_derived_figures_are_those_of_the_model(jvrc1):
     assert jvrc1.preview.com_height == pytest.approx(jvrc1.body.com(placed)[0, 2], abs=5e-4)
     assert jvrc1.posture.feet_apart == pytest.approx(2.0 * jvrc1.body.origin("L_HIP_P")[1][1])
     straight = np.degrees(jvrc1.leg(1).meeting_axes.straight)
-    assert jvrc1.verdict.knee_margin_deg - straight == pytest.approx(5.0, abs=0.1)
+    assert jvrc1.checks.knee_margin_deg - straight == pytest.approx(5.0, abs=0.1)
     assert jvrc1.feasibility.knee_margin_deg - straight == pytest.approx(15.0, abs=0.1)
 
 
@@ -179,8 +183,17 @@ def test_every_figure_of_jvrc1_has_its_mark():
             assert marked or common, f"{section} {entry}"
 
 
-def test_slow_may_be_empty():
-    assert tomllib.loads((JVRC1 / "robot.toml").read_text())["slow"] == {}
+@needs_jvrc1
+def test_jvrc1_moves_no_slower_where_speed_limits_are_kept(jvrc1):
+    assert jvrc1.slow == {}
+    assert jvrc1.slowed.walk is jvrc1.walk
+
+
+@pytest.mark.parametrize("name", ["hrp2", "jvrc1"])
+def test_a_file_has_60_values_at_most(name):
+    lines = (data_folder() / name / "robot.toml").read_text().splitlines()
+    values = [line for line in lines if line.strip() and line.lstrip()[0] not in "#["]
+    assert 20 < len(values) <= 60
 
 
 def test_the_library_knows_no_robot_by_its_joints():
@@ -231,7 +244,7 @@ def test_a_joint_that_the_urdf_lacks_is_named(tmp_path):
 
 @pytest.mark.parametrize("kind", ["continuous", "prismatic", "floating"])
 def test_joints_of_other_kinds_are_named(tmp_path, kind):
-    with pytest.raises(InvalidInput, match="'HEAD_JOINT1' must be revolute with limits"):
+    with pytest.raises(InvalidInput, match=r"'HEAD_JOINT1': its type is .*; only revolute joints with limits"):
         changed(tmp_path, kind=('name="HEAD_JOINT1" type="revolute"', f'name="HEAD_JOINT1" type="{kind}"'))
 
 
@@ -241,8 +254,8 @@ def test_a_joint_without_limits_is_named(tmp_path):
     lower, upper = (re.search(rf'{key}="[^"]*"', limit).group(0) for key in ("lower", "upper"))
     bad = limit.replace(lower, 'lower="0"').replace(upper, 'upper="0"')
     (tmp_path / "own.urdf").write_text(urdf.replace('filename="', f'filename="{HRP2}/').replace(limit, bad))
-    with pytest.raises(InvalidInput, match=r"needs a range, a speed limit and a torque limit"):
-        Body(tmp_path / "own.urdf")
+    with pytest.raises(InvalidInput, match=r"'HEAD_JOINT1': its range is 0 to 0; lower must be less than upper"):
+        Body(read_urdf(tmp_path / "own.urdf")[0])
 
 
 def test_a_sole_that_is_not_flat_or_not_on_the_floor_is_named(spoilt):
@@ -257,6 +270,8 @@ def test_a_sole_that_is_not_flat_or_not_on_the_floor_is_named(spoilt):
     [
         (("posture", "angles_deg", "HEAD_JOINT1"), -31.0, r"'HEAD_JOINT1' stands at -31\.0 degrees.*-30\.0 to 45\.0"),
         (("foot", "contact_x"), [-96.0, 126.0], r"contact_x = \[-96\.0, 126\.0\] must lie between heel and toe, in m"),
+        (("foot", "contact_x"), [0.01, 0.126], r"contact_x = \[0\.01, 0\.126\] must reach from behind the ankle"),
+        (("posture", "feet_apart"), 0.3, r"feet_apart = 0\.3 is far from 0\.19 m, which follows from the URDF"),
         (("legs", "knee"), ["RLEG_JOINT2", "LLEG_JOINT3"], "'RLEG_JOINT2' is no knee: .*'RLEG_JOINT3', 'LLEG_JOINT3'"),
         (("upper_body", "shoulders"), [], "must be a list of one value or more"),
     ],

@@ -129,5 +129,5 @@ def test_no_worker(monkeypatch):
 
 def test_without_the_package(monkeypatch):
     monkeypatch.setitem(sys.modules, "distributed", None)
-    with pytest.raises(InvalidInput, match=r"stepover\[dask\]"):
+    with pytest.raises(InvalidInput, match=r"a Dask cluster needs distributed: pip install 'stepover\[dask\]'"):
         list(computed([1], process, "tcp://127.0.0.1:1"))

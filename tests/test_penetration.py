@@ -2,7 +2,13 @@ import numpy as np
 import pytest
 
 from stepover.model import pose
-from stepover.planning.algorithm_1.penetration import ankle_displacements, displace, horizontal_depth, jacobians
+from stepover.planning.algorithm_1.penetration import (
+    PointsOnLeg,
+    ankle_displacements,
+    displace,
+    horizontal_depth,
+    jacobians,
+)
 
 ANGLES = np.radians([-3.0, 2.0, -60.0, 100.0, -35.0, -2.0])
 
@@ -24,9 +30,14 @@ def point_on(robot, leg, waist, angles, joint, local):
     return placements.rotations[0, index] @ local + placements.positions[0, index]
 
 
+def one_point(waist, angles, point, joint):
+    """A point of the leg at one posture."""
+    return PointsOnLeg(waist[None], angles[None], point[None], np.array([joint]))
+
+
 def displaced(leg, waist, angles, point, joint, push, damping):
     """displace for one posture."""
-    return displace(leg, waist[None], angles[None], point[None], np.array([joint]), push[None], damping)[0]
+    return displace(leg, one_point(waist, angles, point, joint), push[None], damping)[0]
 
 
 @pytest.mark.parametrize("side", [1, -1])
@@ -36,7 +47,7 @@ def test_jacobians_match_finite_differences(robot, side, yaw, joint):
     leg, waist, angles, _ = placed(robot, side, yaw)
     local = np.array([0.1, 0.0, -0.05])
     point = point_on(robot, leg, waist, angles, joint, local)
-    j_s, j_p = (j[0] for j in jacobians(leg, waist[None], angles[None], point[None], np.array([joint])))
+    j_s, j_p = (j[0] for j in jacobians(leg, one_point(waist, angles, point, joint)))
     to_waist = pose.rotation(waist[None])[0].T
     for k in range(4):
         step = np.zeros(6)
@@ -63,7 +74,7 @@ def test_after_the_full_ik_the_point_moves_by_ds(robot, yaw):
 def test_a_thigh_point_leaves_the_knee_column_empty_and_the_push_finite(robot):
     leg, waist, angles, _ = placed(robot, 1, 0.0)
     point = point_on(robot, leg, waist, angles, 2, np.array([0.05, 0.0, -0.2]))
-    j_s = jacobians(leg, waist[None], angles[None], point[None], np.array([2]))[0][0]
+    j_s = jacobians(leg, one_point(waist, angles, point, 2))[0][0]
     assert not j_s[:, 3].any()
     assert np.linalg.norm(displaced(leg, waist, angles, point, 2, np.array([-0.005, 0.0, 0.0]), 0.02)) < 0.1
 
@@ -74,7 +85,7 @@ def test_postures_do_not_see_each_other(robot):
     angles[1, 3] += 0.1
     points, joints = waist[:, :3] + [0.1, 0.0, -0.4], np.array([2, 3, 5])
     push = np.outer([-0.004, 0.003, 0.01], [1.0, 0.0, 0.0])
-    together = displace(robot.leg(1), waist, angles, points, joints, push, 0.02)
+    together = displace(robot.leg(1), PointsOnLeg(waist, angles, points, joints), push, 0.02)
     for k, one in enumerate(together):
         alone = displaced(robot.leg(1), waist[k], angles[k], points[k], joints[k], push[k], 0.02)
         np.testing.assert_allclose(one, alone, rtol=1e-12)
@@ -103,7 +114,7 @@ def test_free_legs_are_not_pushed(robot, planned):
     motion = planned.motion
     over = motion.samples(3)
     rectangle = motion.bare_obstacle
-    push = ankle_displacements(robot, 1, motion.waist[over], motion.left_foot[over], rectangle, robot.adaptor)
+    push = ankle_displacements(robot, 1, motion.waist[over], motion.left_foot[over], rectangle)
     assert not push.any()
 
 
@@ -113,5 +124,5 @@ def test_the_push_points_out_of_the_obstacle(robot, planned):
     foot = motion.left_foot[sample : sample + 1]
     toe = foot[0, 0] + robot.foot.toe  # a wall that the toe has just entered, lower than the shank
     wall = np.array([toe - 0.01, toe + 1.0, -1.0, foot[0, 2] + 0.02])
-    push = ankle_displacements(robot, 1, motion.waist[sample : sample + 1], foot, wall, robot.adaptor)
+    push = ankle_displacements(robot, 1, motion.waist[sample : sample + 1], foot, wall)
     assert push[0, 0] < -0.005

@@ -18,7 +18,7 @@ from stepover.model import pose
 from stepover.model.support import zmp_margin
 from stepover.planning.algorithm_1 import planner
 from stepover.planning.algorithm_1.feasibility import key_configurations
-from stepover.planning.algorithm_1.planned import Effort
+from stepover.planning.algorithm_1.plan import Options
 from stepover.planning.algorithm_1.planner import algorithm_1, plan_in_detail
 from stepover.planning.checks import measure
 
@@ -217,9 +217,9 @@ class TestFifteenCentimetres:
         assert measures.samples == len(motion.time)
         assert measures.step_over_duration == pytest.approx(3.04)
         assert measures.duration == pytest.approx(motion.time[-1])
-        assert motion.footsteps[:, 1].tolist() == [-1, 1, -1, 1, -1, 1, -1]
-        assert motion.footsteps[:, 5].tolist() == [0, 1, 2, 3, 4, 0, 0]
-        for when, side, x, y, yaw, _ in motion.footsteps:
+        assert motion.footsteps.side.tolist() == [-1, 1, -1, 1, -1, 1, -1]
+        assert motion.footsteps.kind.tolist() == [0, 1, 2, 3, 4, 0, 0]
+        for when, side, x, y, yaw, _ in motion.footsteps.rows():
             sample = round(when / motion.dt)
             np.testing.assert_allclose(motion.foot(int(side))[sample], [x, y, 0, 0, 0, np.sin(yaw / 2), 1], atol=1e-9)
         assert set(planned.planning_time) == {"feasibility", "trajectories", "total"}
@@ -313,24 +313,24 @@ def test_too_near_names_the_distance_that_does(robot):
 
 @pytest.mark.parametrize(("height", "width"), [(0.25, 0.05), (0.225, 0.05), (0.2221, 0.0244)])
 def test_a_key_configuration_that_is_passed_over_would_not_have_done(robot, monkeypatch, height, width):
-    """Every key configuration of every effort before the one that was found, whether it was tried or not."""
+    """With all options, every key configuration before the one that was found, whether it was tried or not."""
     obstacle, attempts = Obstacle(height, width), []
     monkeypatch.setattr(planner, "algorithm_1", lambda *args: attempts.append(args) or algorithm_1(*args))
     found = plan_in_detail(robot, obstacle)
     keys, apart = key_configurations(robot, obstacle), robot.feasibility.step_length_more_step
     steps = [(key.x_ads - keys[0].x_ads) / apart for key in keys]
     keys = [key for key, step in zip(keys, steps, strict=True) if abs(step - round(step)) < 1e-6]
-    efforts = [Effort("off"), Effort("auto"), Effort("auto", level=1), Effort("auto", level=2)]
-    every = [(effort, key) for effort in efforts for key in keys]
-    before = every[: every.index((found.effort, found.key))]
+    options = [Options("off"), Options("auto"), Options("auto", level=1), Options("auto", level=2)]
+    every = [(some, key) for some in options for key in keys]
+    before = every[: every.index((found.options, found.key))]
     assert len(attempts) - 1 < len(before), "some were passed over"
-    for effort, key in before:
+    for some, key in before:
         with pytest.raises(Infeasible):
-            algorithm_1(robot, obstacle, key, effort)
+            algorithm_1(robot, obstacle, key, some)
 
 
 def test_the_error_is_what_lacks_least_with_all_that_may_be_used(robot):
-    with pytest.raises(Infeasible, match="FTA finds no way: LLEG_LINK") as caught:
+    with pytest.raises(Infeasible, match="FTA cannot free the trailing leg: LLEG_LINK") as caught:
         plan_in_detail(robot, Obstacle(0.265, 0.05), look_for_nearest=False)
     assert 0.0 < caught.value.short < 0.04
 

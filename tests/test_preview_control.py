@@ -18,7 +18,7 @@ DT, WINDOW, Q, R, Z_C = 0.005, 320, 1.0, 1e-6, 0.814
 @pytest.fixture(scope="module")
 def preview(robot) -> Preview:
     """The paper's parameters, whatever else robot.toml keeps beside them."""
-    return dataclasses.replace(robot.preview, window=WINDOW, zmp_weight=Q, jerk_weight=R, com_height=Z_C)
+    return dataclasses.replace(robot.preview, window=WINDOW * DT, zmp_weight=Q, jerk_weight=R, com_height=Z_C)
 
 
 def rolled_out(state: np.ndarray, jerks: np.ndarray, dt: float = DT) -> np.ndarray:
@@ -137,7 +137,7 @@ def test_eq_18_is_the_least_squares_solution_of_eq_17(preview, window):
     least_squares = lstsq(stacked, wanted)[0]
     eq_18 = -np.linalg.solve(p_u.T @ p_u + R / Q * np.eye(window), p_u.T @ (p_x @ state - reference))
     np.testing.assert_allclose(eq_18, least_squares, atol=1e-9 * max(1.0, np.abs(least_squares).max()))
-    gains = wieber_gains(dataclasses.replace(preview, window=window), DT)
+    gains = wieber_gains(dataclasses.replace(preview, window=window * DT), DT)
     ours = gains.preview @ reference - gains.state @ state
     assert gains.integral == 0.0
     assert ours == pytest.approx(least_squares[0], abs=1e-9 * max(1.0, np.abs(least_squares).max()))

@@ -29,7 +29,7 @@ from stepover.planning.quasi_static.path import (
     targets,
 )
 from stepover.planning.quasi_static.planner import ZMP_MULTIPLE, quasi_static_crossable, quasi_static_in_detail
-from stepover.planning.quasi_static.search import find_way
+from stepover.planning.quasi_static.search import find_path
 from stepover.planning.quasi_static.timing import durations
 from stepover.simulation.run import simulate
 
@@ -53,7 +53,7 @@ def test_it_is_promised():
     assert stepover.quasi_static_plan.__module__ == "stepover.planning.quasi_static.planner"
 
 
-def test_no_way_keeps_three_centimetres_so_it_keeps_one(robot, slow, obstacle):
+def test_no_path_keeps_three_centimetres_so_it_keeps_one(robot, slow, obstacle):
     assert "end of phase 1, (6)" in slow.refused
     np.testing.assert_allclose(slow.motion.obstacle[1:5], [0.05, 0.15, 0.01, 0.01])
     assert slow.obstacle == dataclasses.replace(obstacle, margin_height=0.01, margin_width=0.01)
@@ -64,9 +64,9 @@ def test_no_way_keeps_three_centimetres_so_it_keeps_one(robot, slow, obstacle):
 
 
 @pytest.mark.parametrize("height", [0.05, 0.09])
-def test_the_way_does_not_hang_on_rounding(robot, monkeypatch, height):
+def test_the_path_does_not_hang_on_rounding(robot, monkeypatch, height):
     obstacle = Obstacle(height, 0.05)
-    way, noise = find_way(robot, obstacle), np.random.default_rng(3)
+    path, noise = find_path(robot, obstacle), np.random.default_rng(3)
 
     def rounded_otherwise(*args):
         check = check_legs(*args)
@@ -74,7 +74,7 @@ def test_the_way_does_not_hang_on_rounding(robot, monkeypatch, height):
 
     monkeypatch.setattr(quasi_static_search, "check_legs", rounded_otherwise)
     for _ in range(3):
-        assert find_way(robot, obstacle) == way
+        assert find_path(robot, obstacle) == path
 
 
 def test_lower_obstacles_keep_their_margins(robot):
@@ -85,7 +85,7 @@ def test_lower_obstacles_keep_their_margins(robot):
 
 
 def test_joints_keep_their_limits_between_the_looks_of_the_search(robot):
-    """Low and wide: on this way a hip comes within a hundredth of a degree of its limit from one look to the next."""
+    """Low and wide: on this path a hip comes within a hundredth of a degree of its limit from one look to the next."""
     motion = quasi_static_in_detail(robot, Obstacle(0.03, 0.08), 0.02, look_for_nearest=False).motion
     assert measure(robot, motion).joint_margin_min > 0.0
 
@@ -96,7 +96,7 @@ def test_margins_below_the_least_clearance_are_kept_as_they_are(robot):
 
 
 def test_it_takes_about_forty_seconds(slow):
-    """44.1 s. Not fitted: the sum of five durations, each from epsilon and a way."""
+    """44.1 s. Not fitted: the sum of five durations, each from epsilon and a path."""
     assert slow.motion.time[-1] == pytest.approx(40.0, rel=0.15)
     assert slow.motion.time[-1] == pytest.approx(slow.durations.sum(), abs=1e-6)
     assert slow.durations[TO_FRONT] == pytest.approx(15.0, rel=0.15)
@@ -148,22 +148,22 @@ def test_the_motion_is_a_motion_like_any_other(robot, slow, tmp_path):
     motion = slow.motion
     motion.save(tmp_path / "motion.npz")
     assert Motion.load(tmp_path / "motion.npz").hash() == motion.hash()
-    require(robot, slow.obstacle, motion)
+    require(robot, motion)
     assert motion.samples(1).stop == motion.samples(2).start
     assert motion.samples(2).stop == motion.samples(3).start
     assert set(motion.support[motion.samples(1)]) == {1}
     assert set(motion.support[motion.samples(3)]) == {-1}
     assert set(motion.support[motion.phase % 2 == 0]) == {0}
-    np.testing.assert_array_equal(motion.footsteps[:, [1, 5]], [[-1, 2], [1, 3]])
-    for time, side, x, y, _, _ in motion.footsteps:
+    np.testing.assert_array_equal(motion.footsteps.rows()[:, [1, 5]], [[-1, 2], [1, 3]])
+    for time, side, x, y, _, _ in motion.footsteps.rows():
         landed = motion.foot(int(side))[round(time / motion.dt) :]
         np.testing.assert_allclose(landed[:, :3], np.tile([x, y, 0.0], (len(landed), 1)), atol=1e-12)
-    assert motion.key_configuration[0] == slow.way.x_ads
+    assert motion.key_configuration[0] == slow.path.x_ads
 
 
 def test_it_starts_and_ends_standing_at_rest(robot, slow):
     q, rest = slow.motion.q, robot.half_sitting()
-    for end, x in ((q[0], 0.0), (q[-1], slow.way.x_ads)):
+    for end, x in ((q[0], 0.0), (q[-1], slow.path.x_ads)):
         np.testing.assert_allclose(end, rest + np.eye(len(rest))[0] * x, atol=1e-5)
     assert np.abs(np.diff(q, axis=0)[[0, -1]]).max() < 1e-6
 
@@ -181,7 +181,7 @@ def test_swing_feet_clear_the_obstacle_and_the_floor(slow):
         foot = motion.foot(side)[motion.samples(phase)]
         assert foot[:, 2].min() > -1e-9
         assert foot[:, 2].max() > motion.obstacle[2] + 0.01
-        assert foot[:, 0].max() < slow.way.x_ads + 1e-3
+        assert foot[:, 0].max() < slow.path.x_ads + 1e-3
 
 
 def test_it_crosses_in_the_physics(robot, quick):
@@ -200,7 +200,7 @@ def test_durations_fall_with_the_root_of_epsilon(robot, slow, quick):
 
 def test_a_shift_is_timed_by_the_cart(robot, slow):
     """T = sqrt(10 / sqrt(3) d z_c / (g epsilon)): the quintic's acceleration, and Eq. (15)."""
-    ends = corners(robot, slow.way)[TO_FRONT : TO_FRONT + 2]
+    ends = corners(robot, slow.path)[TO_FRONT : TO_FRONT + 2]
     height = slow.motion.com[slow.motion.samples(2), 2].max()
     wanted = math.sqrt(10.0 / math.sqrt(3.0) * math.dist(*ends) * height / (GRAVITY * EPSILON))
     assert slow.durations[TO_FRONT] == pytest.approx(wanted, abs=0.01)
@@ -218,7 +218,7 @@ def test_the_quintic_goes_from_rest_to_rest():
 
 def test_segments_join(robot, slow):
     ends = np.array([0.0, 1.0])
-    parts = [targets(robot, slow.obstacle, slow.way, k, pace(k, ends)) for k in SEGMENTS]
+    parts = [targets(robot, slow.obstacle, slow.path, k, pace(k, ends)) for k in SEGMENTS]
     for before, after in pairwise(parts):
         for one, other in zip(before, after, strict=True):
             np.testing.assert_allclose(one[-1], other[0], atol=1e-12)
@@ -226,7 +226,7 @@ def test_segments_join(robot, slow):
 
 def test_balance_brings_the_com_of_all_links_over_its_target(robot, slow):
     share = np.linspace(0.0, 1.0, 21)
-    parts = [targets(robot, slow.obstacle, slow.way, k, share) for k in (LEG_1_OVER, TO_FRONT, LEG_2_OVER)]
+    parts = [targets(robot, slow.obstacle, slow.path, k, share) for k in (LEG_1_OVER, TO_FRONT, LEG_2_OVER)]
     wanted = joined(parts)
     assert isinstance(wanted, Targets)
     errors = [
@@ -260,7 +260,7 @@ def test_the_other_conditions_are_named_too(robot):
     ):
         other = dataclasses.replace(robot, quasi_static=dataclasses.replace(robot.quasi_static, **change))
         with pytest.raises(Infeasible, match=what):
-            find_way(other, Obstacle(height, 0.05, 0.01, 0.01))
+            find_path(other, Obstacle(height, 0.05, 0.01, 0.01))
 
 
 def test_a_refusal_names_the_nearest_that_can_be_crossed(robot):

@@ -143,10 +143,10 @@ def test_world_knows_the_robot(robot: Robot, motion: Motion) -> None:
 
 
 def test_a_higher_obstacle_is_hit_and_explained(motion: Motion, robot: Robot) -> None:
-    row = motion.obstacle.copy()
-    row[2] += 0.05
+    rows = motion.obstacles.copy()
+    rows[0, 2] += 0.05
     over = motion.samples(1)
-    run = simulate(shortened(replace(motion, obstacle=row), 0, over.stop), robot=robot)
+    run = simulate(shortened(replace(motion, obstacles=rows), 0, over.stop), robot=robot)
     assert not run.crossed
     assert run.obstacle_contacts > 0
     assert run.clearance_min < 0.0
@@ -165,7 +165,7 @@ def test_what_is_no_motion_and_no_robot_is_refused(motion: Motion) -> None:
 
 
 def test_obstacle_can_be_left_out(motion: Motion, robot: Robot) -> None:
-    front = replace(motion, obstacle=np.array([-0.05, 0.1, 0.3, 0.0, 0.0, 1.0]))
+    front = replace(motion, obstacles=np.array([[-0.05, 0.1, 0.3, 0.0, 0.0, 1.0, 0.0]]))
     run = simulate(shortened(front, 0, 10), robot=robot, obstacle=False)
     assert run.crossed
     assert run.clearance_min < 0.0

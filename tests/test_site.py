@@ -14,11 +14,12 @@ import pytest
 from nbformat.v4 import new_code_cell, new_output
 
 from stepover.locations import checkout
+from stepover.reproduction.pages import claims_page
 from stepover.reproduction.run import NotebookFailed
 from stepover.reproduction.verdicts import read_entries
 from tools import site
 from tools.site_links import faults
-from tools.site_pages import WIDGET, claims_page, contents
+from tools.site_pages import WIDGET, contents
 
 TOP = checkout()
 PIXEL = "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg=="
@@ -57,7 +58,8 @@ class TestSite:
     def test_every_notebook_and_page_is_there_and_in_the_navigation(self, built):
         front = (built / "index.html").read_text()
         pages = [f"notebooks/{path.stem}.html" for path in (TOP / "notebooks").glob("*.ipynb")]
-        pages += ["claims.html", "crossings.html", "ARCHITECTURE.html", "docs/own_robot.html", "data/jvrc1/README.html"]
+        pages += [f"docs/{path.stem}.html" for path in (TOP / "docs").glob("*.md")]
+        pages += ["crossings.html", "ARCHITECTURE.html", "data/jvrc1/README.html"]
         for page in [*pages, "api/stepover.model.html", "api/stepover.report.figures.html"]:
             assert f'href="{page}"' in front, page
         text = (built / "index.html").read_text().split("sidebar-tree")[1]
@@ -75,7 +77,7 @@ class TestSite:
         assert "widget" not in page.replace("mystnb", "")
 
     def test_every_claim_has_its_anchor_and_all_that_is_known_of_it(self, built):
-        page = (built / "claims.html").read_text()
+        page = (built / "docs" / "claims.html").read_text()
         for row in read_entries(TOP / "figures" / "claims.json"):
             assert f'id="{row["id"]}"' in page
             assert f'href="#{row["id"]}"' in page
@@ -207,11 +209,12 @@ class TestPages:
                "verdict": "differs", "reason": "so it is", "parameters": {"height": 0.15}, "notebook": "x",
                "varies": False, "tolerance": 0.0}  # fmt: skip
         text = claims_page([row])
-        assert r"| [a \| b](#one) | 1, 2 m | no number | **differs**: so it is | V; [x](notebooks/x.ipynb) |" in text
+        row = r"| [a \| b](#one) | 1, 2 m | no number | **differs**: so it is | V; [notebook](../notebooks/x.ipynb) |"
+        assert row in text
         assert "a | b: **differs**: so it is." in text
         assert "| verdict | **differs** |" in text
         assert "| parameters | height 0.15 |" in text
-        assert "| notebook | [x](notebooks/x.ipynb) |" in text
+        assert "| notebook | [x](../notebooks/x.ipynb) |" in text
         assert not re.search(r"\| (reason|varies|tolerance) \|", text)
 
 

@@ -1,4 +1,4 @@
-"""Motions that respect the joints' speed limits: planner.py with the tables slow.* of robot.toml."""
+"""Motions that respect the joints' speed limits: planner.py with the slow parameters."""
 
 from __future__ import annotations
 
@@ -8,10 +8,12 @@ import numpy as np
 import pytest
 
 from stepover import Infeasible, InvalidInput, Obstacle, load_robot, plan, simulate
+from stepover.model.parameters.slow import SLOW
+from stepover.motion.footsteps import LEG_2
 from stepover.planning.algorithm_1.beyond_paper import extra_zmp, waist_delay
 from stepover.planning.algorithm_1.com_waist import com_and_waist
 from stepover.planning.algorithm_1.planner import plan_in_detail
-from stepover.planning.algorithm_1.step_sequence import LEG_2, step_sequence
+from stepover.planning.algorithm_1.step_sequence import step_sequence
 from stepover.planning.checks import measure, require, require_speeds
 
 HEIGHTS = (0.15, 0.20, 0.22, 0.24, 0.25)
@@ -41,7 +43,7 @@ def test_no_joint_exceeds_its_speed_limit_and_all_else_is_kept(robot, slowly, he
     assert found.clearance_min >= 0.030
     assert found.zmp_margin_min >= 0.015
     assert max(found.zmp_rms) <= 0.004
-    require(robot, Obstacle(height, 0.05), motion)
+    require(robot, motion)
 
 
 @pytest.mark.parametrize(("height", "width"), [(0.2499, 0.05), (0.2501, 0.05), (0.25, 0.048), (0.25, 0.052)])
@@ -69,7 +71,7 @@ def test_a_motion_that_is_too_fast_is_refused_by_joint_speed_and_time(robot, mot
 
 def test_without_extras_nothing_beyond_the_paper_is_used(robot):
     found = plan_in_detail(robot, Obstacle(0.15, 0.05), speed_limits="respect", extras=False, look_for_nearest=False)
-    assert found.effort.level == 0
+    assert found.options.level == 0
     require_speeds(robot, found.motion)
 
 
@@ -81,29 +83,25 @@ def test_what_cannot_be_crossed_names_a_lower_one_that_can(robot):
     plan_in_detail(robot, nearest, speed_limits="respect", look_for_nearest=False)
 
 
-def test_slow_tables_change_what_they_name_and_nothing_else(robot, robot_table):
+def test_slow_parameters_change_what_they_name_and_nothing_else(robot):
     for name in (field.name for field in dataclasses.fields(robot) if field.name != "slow"):
         ours, slow = getattr(robot, name), getattr(robot.slowed, name)
-        if name not in robot_table["slow"]:
+        if name not in SLOW:
             assert slow is ours
             continue
         differing = {key for key, value in dataclasses.asdict(ours).items() if getattr(slow, key) != value}
-        assert differing == set(robot_table["slow"][name])
+        assert differing == set(SLOW[name])
+        assert {key: getattr(slow, key) for key in differing} == SLOW[name]
 
 
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({("slow", "legz"): {}}, "slow has an unknown key 'legz'"),
-        ({("slow", "name"): {}}, "slow has an unknown key 'name'"),
-        ({("slow", "walk"): 1.0}, "slow.walk must be a table"),
-        ({("slow", "walk", "pace"): 1.0}, "slow.walk has an unknown key 'pace'"),
-        ({("slow", "beyond_paper", "leg2_rise"): 0.9}, "slow.beyond_paper.leg2_rise = 0.9 must be less than"),
-    ],
-)
-def test_slow_tables_that_make_no_sense_are_refused(spoilt, changes, message):
-    with pytest.raises(InvalidInput, match=message):
-        load_robot(spoilt(changes))
+def test_a_robot_may_keep_its_own_parameters(spoilt):
+    other = load_robot(spoilt({("slow",): False}))
+    assert all(getattr(other.slowed, name) is getattr(other, name) for name in SLOW)
+
+
+def test_slow_parameters_that_contradict_a_robots_own_are_refused(spoilt):
+    with pytest.raises(InvalidInput, match=r"stepping_over.leg1_rise = 0\.378.*must be less than .*leg1_top = 0\.37"):
+        load_robot(spoilt({("stepping_over",): {"leg1_rise": 0.3, "leg1_top": 0.37}}))
 
 
 def test_the_heel_is_reached_after_lift_off_and_the_waist_is_lowest_later(robot, slowly):

@@ -56,7 +56,7 @@ def test_no_action_when_planned_equals_measured(robot, motion, wrenches):
     stabilizer = Stabilizer(robot, motion)
     worst = 0.0
     for sample in range(1, len(motion.time)):
-        then = max(sample - robot.stabilizer.age, 0)
+        then = max(sample - round(robot.stabilizer.age / motion.dt), 0)
         angles = stabilizer.command(sample, readings(robot, motion.q[then], wrenches[then]))
         worst = max(worst, float(np.abs(angles - motion.q[sample, 7:]).max()))
     assert worst < 1e-6
@@ -67,20 +67,20 @@ def test_no_action_when_planned_equals_measured(robot, motion, wrenches):
 def test_a_dcm_that_is_ahead_asks_for_a_zmp_further_ahead(robot, motion, course, on_left, axis, sign):
     error = 0.002 * sign * np.eye(2)[axis]
     estimate = planned_estimate(course, on_left)
-    wish = feedback(robot, motion, course).wish(on_left, changed(estimate, dcm=estimate.dcm + error))
+    desired = feedback(robot, motion, course).desired(on_left, changed(estimate, dcm=estimate.dcm + error))
     gain = 1.0 + robot.stabilizer.dcm_proportional / course.omega
-    np.testing.assert_allclose(wish.zmp - course.zmp[on_left], gain * error, atol=1e-12)
-    np.testing.assert_allclose(wish.shared.shares, [1.0, 0.0])
-    np.testing.assert_allclose(wish.shared.cops[LEFT], wish.zmp - course.soles[on_left, LEFT, :2])
+    np.testing.assert_allclose(desired.zmp - course.zmp[on_left], gain * error, atol=1e-12)
+    np.testing.assert_allclose(desired.shared.shares, [1.0, 0.0])
+    np.testing.assert_allclose(desired.shared.cops[LEFT], desired.zmp - course.soles[on_left, LEFT, :2])
 
 
 def test_the_integral_adds_to_it(robot, motion, course, on_left):
     control = feedback(robot, motion, course)
     estimate = planned_estimate(course, on_left)
     ahead = changed(estimate, dcm=estimate.dcm + np.array([0.004, 0.0]))
-    first = control.wish(on_left, ahead).zmp[0]
+    first = control.desired(on_left, ahead).zmp[0]
     for _ in range(100):
-        last = control.wish(on_left, ahead).zmp[0]
+        last = control.desired(on_left, ahead).zmp[0]
     gain = robot.stabilizer.dcm_integral / course.omega
     assert last - first == pytest.approx(gain * 0.004 * 0.5, rel=0.1)
 
@@ -90,10 +90,10 @@ def test_the_wish_stays_on_the_sole_and_nothing_winds_up(robot, motion, course, 
     estimate = planned_estimate(course, on_left)
     far = changed(estimate, dcm=estimate.dcm + np.array([0.2, -0.2]))
     for _ in range(400):
-        wish = control.wish(on_left, far)
+        desired = control.desired(on_left, far)
     corners = course.soles[on_left, LEFT, :2] + patch(robot, 1, robot.stabilizer.zmp_inset)
-    np.testing.assert_allclose(wish.zmp, [corners[:, 0].max(), corners[:, 1].min()], atol=1e-12)
-    assert wish.cut[0] > 0.0 > wish.cut[1]
+    np.testing.assert_allclose(desired.zmp, [corners[:, 0].max(), corners[:, 1].min()], atol=1e-12)
+    assert desired.cut[0] > 0.0 > desired.cut[1]
     np.testing.assert_array_equal(control.integral.value, 0.0)
 
 
@@ -102,17 +102,17 @@ def test_the_sole_counts_where_it_stands_in_truth(robot, motion, course, on_left
     estimate = planned_estimate(course, on_left)
     far = changed(estimate, dcm=estimate.dcm + np.array([0.2, 0.0]), soles=estimate.soles + np.array([0.02, 0.0, 0.0]))
     plain = changed(estimate, dcm=estimate.dcm + np.array([0.2, 0.0]))
-    further = feedback(robot, motion, course).wish(on_left, far).zmp
-    np.testing.assert_allclose(further - feedback(robot, motion, course).wish(on_left, plain).zmp, [0.02, 0.0])
+    further = feedback(robot, motion, course).desired(on_left, far).zmp
+    np.testing.assert_allclose(further - feedback(robot, motion, course).desired(on_left, plain).zmp, [0.02, 0.0])
 
 
 def test_with_the_feedback_a_pendulum_does_not_fall(robot, motion, course):
-    """On two feet at rest: a pendulum that is pushed, whose ZMP follows the wish after 50 ms."""
+    """On two feet at rest: a pendulum that is pushed, whose ZMP follows the desired one after 50 ms."""
     control, omega, dt = feedback(robot, motion, course), course.omega, course.dt
     com, speed, zmp = course.com[0, :2].copy(), np.array([0.15, 0.05]), course.zmp[0].copy()
     for _ in range(800):
         estimate = changed(planned_estimate(course, 0), dcm=com + speed / omega, com=np.append(com, 0.8))
-        zmp = zmp + dt / 0.05 * (control.wish(0, estimate).zmp - zmp)
+        zmp = zmp + dt / 0.05 * (control.desired(0, estimate).zmp - zmp)
         speed = speed + dt * omega**2 * (com - zmp)
         com = com + dt * speed
     assert np.abs(com - course.com[0, :2]).max() < 0.003

@@ -1,4 +1,4 @@
-"""The crossing before it was adapted, and what each unit buys."""
+"""The crossing before it was adapted, and what each unit contributes."""
 
 import re
 
@@ -7,8 +7,8 @@ import pytest
 
 from stepover.analysis import limits, stages
 from stepover.model.obstacle import Obstacle
+from stepover.motion.footsteps import LEG_1, LEG_2
 from stepover.planning.algorithm_1.planner import plan_in_detail
-from stepover.planning.algorithm_1.step_sequence import LEG_1, LEG_2
 
 
 @pytest.fixture(scope="module")
@@ -24,7 +24,7 @@ def crossing(robot, high):
 
 
 def test_before_adaptation_the_waist_lags_and_the_lead_knee_over_stretches(robot, high, crossing):
-    before, arms, *_, after = stages.lead_leg_stages(robot, high, crossing)
+    before, arms, *_, after = stages.lead_leg_stages(crossing)
     angle, missing = stages.before_landing(robot, before)
     assert np.isnan(angle), "nothing is clamped in silence"
     assert missing > 0.005
@@ -57,13 +57,13 @@ def test_postures_are_those_of_the_plan(robot, crossing):
 
 
 def test_at_15_cm_nothing_is_needed(robot, obstacle, planned):
-    rows = stages.bought(robot, obstacle, planned.key, 0)
+    rows = stages.contributions(robot, obstacle, planned.key, 0)
     assert [row.reason for row in rows] == [""] * len(stages.COMBINATIONS)
     assert min(row.free for row in rows) >= 0.0
 
 
-def test_at_25_cm_each_unit_buys_something_and_only_all_of_it_is_enough(robot, high, crossing):
-    rows = {row.units: row for row in stages.bought(robot, high, crossing.key, crossing.effort.level)}
+def test_at_25_cm_each_unit_contributes_something_and_only_all_of_it_is_enough(robot, high, crossing):
+    rows = {row.units: row for row in stages.contributions(robot, high, crossing.key, crossing.options.level)}
     *some, everything = rows.values()
     assert all(re.search("LINK|out of reach|over-stretches|limit", row.reason) for row in some)
     assert everything.reason == ""

@@ -10,8 +10,9 @@ import pytest
 
 from stepover import Infeasible
 from stepover.model.support import zmp_margin
+from stepover.motion.footsteps import AFTER, BEFORE, LEG_1, LEG_2, NORMAL
 from stepover.planning.algorithm_1.planner import plan_in_detail
-from stepover.planning.algorithm_1.step_sequence import AFTER, BEFORE, LEG_1, LEG_2, NORMAL, step_sequence
+from stepover.planning.algorithm_1.step_sequence import step_sequence
 
 REST = np.array([0.01, 0.002])
 
@@ -49,7 +50,7 @@ def test_timing_is_the_papers(sequence):
 
 
 def test_the_time_before_and_after_lets_preview_look_ahead(robot, sequence):
-    window = robot.preview.window * robot.walk.sample_time
+    window = robot.preview.window
     assert sequence.time[sequence.steps[0].lift_off] >= window
     assert sequence.time[-1] - sequence.time[sequence.steps[-1].touch_down] >= window
 
@@ -151,7 +152,7 @@ def test_reference_begins_and_ends_where_the_com_rests(sequence):
 
 
 def test_reference_keeps_inside_the_support_polygon(robot, sequence, planned):
-    margins = zmp_margin(robot, sequence.zmp, sequence.support, planned.feet.left, planned.feet.right)
+    margins = zmp_margin(robot, sequence.zmp, sequence.support, planned.nominal.feet.left, planned.nominal.feet.right)
     assert margins.min() >= 0.055
 
 

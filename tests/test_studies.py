@@ -1,15 +1,24 @@
 """Long tables: resumable, parallel, and the stored one is that of today's planner."""
 
-import shutil
+import os
+import subprocess
+import sys
+from functools import wraps
+from importlib import import_module
+from pathlib import Path
 
 import pytest
+from conftest import HRP2
 
 from stepover.errors import InvalidInput
+from stepover.studies import fingerprint as fingerprints
+from stepover.studies import landing, robustness, strategies, sweep, trials
 from stepover.studies import obstacle_plane as plane
 from stepover.studies import study as studies
 from stepover.studies.agreement import YES
+from stepover.studies.fingerprint import fingerprint, robot_files, sources
 from stepover.studies.obstacle_plane import at, read_table, study
-from stepover.studies.study import fingerprint, run_study, write_rows
+from stepover.studies.study import run_study, write_rows
 from stepover.studies.sweep import Crossing, Point
 
 POINTS = [Point(0.10, 0.02, physics=False), Point(0.30, 0.25, physics=False)]
@@ -41,24 +50,41 @@ def test_rows_say_what_became_of_each_obstacle(uninterrupted):
 
 
 def test_a_resumed_study_equals_an_uninterrupted_one(uninterrupted, tmp_path, monkeypatch):
-    (part,) = uninterrupted.glob("*.part")
+    monkeypatch.setattr(studies, "write_rows", lambda *_: sys.exit("killed"))
+    with pytest.raises(SystemExit):
+        study(POINTS, tmp_path / "table.csv", tmp_path, workers=1)
+    monkeypatch.undo()
+    (part,) = tmp_path.glob("*.part")
     lines = part.read_bytes().splitlines(keepends=True)
     assert len(lines) == 2
-    (tmp_path / part.name).write_bytes(lines[0] + lines[1][: len(lines[1]) // 2])  # killed while it wrote
-    computed = []
-    cross = plane.cross
-    monkeypatch.setattr(plane, "cross", lambda point: (computed.append(point), cross(point))[1])
+    part.write_bytes(lines[0] + lines[1][: len(lines[1]) // 2])  # killed while it wrote
+    computed, cross = [], plane.cross
+    monkeypatch.setattr(plane, "cross", wraps(cross)(lambda point: (computed.append(point), cross(point))[1]))
     study(POINTS, tmp_path / "table.csv", tmp_path, workers=1)
     assert computed == POINTS[1:]
     assert (tmp_path / "table.csv").read_bytes() == (uninterrupted / "table.csv").read_bytes()
-    assert (tmp_path / part.name).read_bytes() == part.read_bytes()
+
+
+def test_nothing_stays_beside_a_finished_table(uninterrupted):
+    assert os.listdir(uninterrupted) == ["table.csv"]
 
 
 def test_a_finished_study_computes_nothing(uninterrupted, tmp_path, monkeypatch):
-    shutil.copytree(uninterrupted, tmp_path, dirs_exist_ok=True)
-    monkeypatch.setattr(plane, "cross", None)
-    study(POINTS, tmp_path / "table.csv", tmp_path)
-    assert (tmp_path / "table.csv").read_bytes() == (uninterrupted / "table.csv").read_bytes()
+    table, build = tmp_path / "table.csv", tmp_path / "build"
+    computed, cross = [], plane.cross
+    monkeypatch.setattr(plane, "cross", wraps(cross)(lambda point: (computed.append(point), cross(point))[1]))
+    study(POINTS, table, build, workers=1)
+    assert computed == POINTS
+    assert list(build.glob("*.part")) == []
+    study(POINTS, table, build, workers=1)
+    assert computed == POINTS
+    assert table.read_bytes() == (uninterrupted / "table.csv").read_bytes()
+    table.write_text("another")
+    study(POINTS, table, build, workers=1)
+    assert computed == POINTS * 2
+    study(POINTS[:1], table, build, workers=1)
+    assert computed == POINTS * 2 + POINTS[:1]
+    assert len(read_table(table)) == 1
 
 
 def test_processes_give_the_same_rows_in_the_same_order(tmp_path):
@@ -83,11 +109,66 @@ def test_a_damaged_part_file_is_refused(tmp_path):
 
 
 def test_the_fingerprint_follows_the_code_and_what_is_named(monkeypatch):
-    now = fingerprint("hrp2")
-    assert now == fingerprint("hrp2")
-    assert now != fingerprint("hrp2", "0.2")
-    monkeypatch.setattr(studies, "INDEPENDENT", studies.INDEPENDENT[1:])
-    assert now != fingerprint("hrp2")
+    now = fingerprint(plane.cross, "hrp2")
+    assert now == fingerprint(plane.cross, "hrp2")
+    assert now != fingerprint(plane.cross, "hrp2", "0.2")
+    assert now != fingerprint(landing.carry_out, "hrp2")
+    code = sources(sweep.__name__)
+    monkeypatch.setattr(fingerprints, "sources", lambda module: code[1:])
+    assert now != fingerprint(plane.cross, "hrp2")
+
+
+@pytest.mark.parametrize("work", [plane.cross, strategies.cross, trials.carry_out, robustness.Trial, landing.carry_out])
+def test_all_code_that_rows_depend_on_counts(work):
+    """What a fresh Python loads with the module is among what its imports say."""
+    code = (
+        f"import sys, {work.__module__};"
+        "print(*[m.__file__ for name, m in sys.modules.items() if name.partition('.')[0] == 'stepover'])"
+    )
+    loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
+    assert len(loaded) > 20
+    assert set(loaded) <= {str(path) for path in sources(work.__module__)}
+
+
+def test_other_code_does_not_count():
+    rooms = {path.relative_to(fingerprints.FOLDER).parts[0] for path in sources(trials.__name__)}
+    assert {"planning", "simulation", "studies", "__init__.py"} <= rooms
+    assert not {"report", "reproduction", "cli"} & rooms
+    names = {path.name for path in sources(trials.__name__)}
+    assert "trials.py" in names
+    assert not {"sweep.py", "landing.py", "robustness.py"} & names
+
+
+def test_a_change_in_the_code_or_in_a_mesh_counts(spoilt, monkeypatch):
+    robot = spoilt({})
+    files = robot_files(str(robot))
+    assert {path.suffix for path in files} == {".toml", ".urdf", ".obj"}
+    assert [path.name for path in files if path.suffix == ".obj"] == sorted(p.name for p in HRP2.glob("*.obj"))
+    now, read = fingerprint(plane.cross, str(robot)), Path.read_bytes
+    for kind in (".obj", ".urdf", ".py"):
+        monkeypatch.setattr(Path, "read_bytes", lambda path, kind=kind: read(path) + b"\n" * (path.suffix == kind))
+        assert fingerprint(plane.cross, str(robot)) != now, kind
+    monkeypatch.setattr(Path, "read_bytes", read)
+    assert fingerprint(plane.cross, str(robot)) == now
+
+
+def test_imports_inside_functions_count_those_for_types_do_not(tmp_path, monkeypatch):
+    text = """
+from typing import TYPE_CHECKING
+if TYPE_CHECKING:
+    from stepover.cli.plan import plan
+else:
+    import stepover.model.gravity
+
+def work():
+    from stepover.motion.motion import Motion
+"""
+    (tmp_path / "own_study.py").write_text(text)
+    monkeypatch.syspath_prepend(tmp_path)
+    import_module("own_study")
+    names = {path.name for path in sources("own_study")}
+    assert {"own_study.py", "motion.py", "gravity.py", "errors.py"} <= names
+    assert "plan.py" not in names
 
 
 def test_tables_are_read_back(tmp_path):

@@ -4,12 +4,13 @@ import numpy as np
 import pytest
 
 from stepover.model.obstacle import Obstacle
+from stepover.motion.footsteps import LEG_1, LEG_2
 from stepover.planning.algorithm_1.com_waist import com_and_waist
 from stepover.planning.algorithm_1.dynamic_filter import filtered_waist
 from stepover.planning.algorithm_1.feasibility import key_configurations
 from stepover.planning.algorithm_1.feet_trajectories import feet_trajectories
 from stepover.planning.algorithm_1.planner import plan_in_detail
-from stepover.planning.algorithm_1.step_sequence import LEG_1, LEG_2, step_sequence
+from stepover.planning.algorithm_1.step_sequence import Crossing, step_sequence
 from stepover.planning.algorithm_1.upper_body import arm_response, upper_body, with_arms
 
 
@@ -19,7 +20,7 @@ def high(robot):
     obstacle = Obstacle(0.25, 0.05)
     key = key_configurations(robot, obstacle)[0]
     sequence = step_sequence(robot, obstacle, key, robot.rest_zmp())
-    return sequence, feet_trajectories(robot, obstacle, sequence), com_and_waist(robot, sequence, key)
+    return sequence, feet_trajectories(Crossing(robot, obstacle, sequence)), com_and_waist(robot, sequence, key)
 
 
 def test_arms_held_back_move_the_waist_by_their_mass_and_way(robot):
@@ -63,8 +64,8 @@ def test_the_filter_itself_gives_that_answer(robot):
 
 
 def test_auto_idles_at_15_cm_and_acts_at_25_cm(robot, planned, high):
-    assert planned.upper.arm_swing == 0.0
-    assert not np.any(planned.upper.waist_shift)
+    assert planned.nominal.upper.arm_swing == 0.0
+    assert not np.any(planned.nominal.upper.waist_shift)
     result = upper_body(robot, *high, "auto")
     assert 0.0 < result.arm_swing <= np.radians(25.0) + 1e-12
     assert result.knee_before < 0.0, "without the arms the lead knee over-stretches"
@@ -78,8 +79,8 @@ def test_on_and_off(robot, high):
 
 def test_on_at_15_cm_buys_knee_margin(robot, obstacle, planned):
     swung = plan_in_detail(robot, obstacle, arms="on", look_for_nearest=False)
-    assert swung.upper.arm_swing == pytest.approx(np.radians(25.0))
-    assert swung.upper.knee_after > swung.upper.knee_before
+    assert swung.nominal.upper.arm_swing == pytest.approx(np.radians(25.0))
+    assert swung.nominal.upper.knee_after > swung.nominal.upper.knee_before
     knee = robot.body.column(robot.leg(-1).joints[3])
     before_landing = slice(planned.sequence.step(LEG_1).touch_down - 60, planned.sequence.step(LEG_1).touch_down)
     assert swung.motion.q[before_landing, knee].min() > planned.motion.q[before_landing, knee].min() + np.radians(2.0)

@@ -12,8 +12,8 @@ import pytest
 
 from stepover import InvalidInput
 from stepover.locations import data_folder
-from stepover.model.description import MESH
-from stepover.model.urdf_text import urdf_text
+from stepover.model.description.links import MESH
+from stepover.model.description.urdf_text import urdf_text
 from stepover.robots import urdf as module
 from stepover.robots.meshes import corners_of_mesh, find_mesh
 from stepover.robots.urdf import read_urdf
@@ -96,7 +96,8 @@ def random_tree(random):
         xyz, rpy, com, turn = (" ".join(f"{x:.6f}" for x in random.uniform(-1.0, 1.0, 3)) for _ in range(4))
         a, b, c = random.uniform(0.1, 0.15, 3)
         parts.append(
-            f'<link name="l{k}"><inertial><origin xyz="{com}" rpy="{turn}"/><mass value="{random.uniform(1.0, 3.0):.5f}"/>'
+            f'<link name="l{k}"><inertial><origin xyz="{com}" rpy="{turn}"/>'
+            f'<mass value="{random.uniform(1.0, 3.0):.5f}"/>'
             f'<inertia ixx="{a:.5f}" iyy="{b:.5f}" izz="{c:.5f}" ixy="0.01" ixz="-0.01" iyz="0.005"/></inertial></link>'
         )
         if k:
@@ -162,8 +163,9 @@ class TestJoints:
 
     @pytest.mark.parametrize(
         ("old", "new", "word"),
-        [("<limit", "<limits", "no <limit>"), ('effort="', 'effort="-', "positive"), ('velocity="', 'velocity="-', "positive"),
-         ('<parent link="BODY"/>', "", "no <parent>"), ('<parent link="BODY"/>', '<parent link="BODI"/>', "no link 'BODI'")],
+        [("<limit", "<limits", "no <limit>"), ('effort="', 'effort="-', "positive"),
+         ('velocity="', 'velocity="-', "positive"), ('<parent link="BODY"/>', "", "no <parent>"),
+         ('<parent link="BODY"/>', '<parent link="BODI"/>', "no link 'BODI'")],
     )  # fmt: skip
     def test_what_is_missing_or_wrong(self, folder, old, new, word):
         refused(changed(folder, (old, new)), "RLEG_JOINT0", word)
@@ -228,7 +230,8 @@ class TestShapes:
     @pytest.mark.parametrize(
         ("shape", "word"),
         [('<capsule radius="0.1" length="0.2"/>', "capsule"), ('<box size="0 1 1"/>', "positive"), ("", "no shape"),
-         ('<sphere radius="0"/>', "positive"), ('<cylinder radius="0.1"/>', "length"), ('<mesh filename="none.obj"/>', "none.obj"),
+         ('<sphere radius="0"/>', "positive"), ('<cylinder radius="0.1"/>', "length"),
+         ('<mesh filename="none.obj"/>', "none.obj"),
          ('<box size="1 1"/>', "3 numbers")],
     )  # fmt: skip
     def test_what_is_none(self, folder, shape, word):

@@ -153,7 +153,7 @@ class TestPage:
         assert "Three.js Authors" in page
 
     def test_a_motion_without_margins(self, robot, motion, commands):
-        bare = dataclasses.replace(motion, obstacle=motion.obstacle * [1.0, 1.0, 1.0, 0.0, 0.0, 1.0])
+        bare = dataclasses.replace(motion, obstacles=motion.obstacles * [1.0, 1.0, 1.0, 0.0, 0.0, 1.0, 1.0])
         names = [thing.name for thing in scene.surroundings(robot, bare)]
         assert "obstacle" in names
         assert not any(name.startswith("margin") for name in names)
@@ -177,8 +177,8 @@ class TestPage:
 class TestScene:
     def test_soles_lie_where_the_feet_stand(self, motion):
         for side in (1, -1):
-            steps = motion.footsteps[motion.footsteps[:, 1] == side]
-            samples = [0, *np.round(steps[:, 0] / motion.dt).astype(int)]
+            steps = motion.footsteps.of_side(side)
+            samples = [0, *np.round(steps.time / motion.dt).astype(int)]
             assert scene.soles(motion, side)[:, :3] == pytest.approx(motion.foot(side)[samples, :3], abs=1e-6)
 
     def test_feet_move_as_the_motion_says(self, robot, motion):

@@ -1,1 +1,1 @@
-"""What serves a checkout only and is not part of the installed package: the site and the benchmark."""
+"""Tools for a checkout, which are not part of the installed package: the site and the benchmark report."""

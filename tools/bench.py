@@ -1,7 +1,7 @@
-"""How fast it is: what `make bench` measured, beside its yardstick, and the history of it.
+"""The report of `make bench`: times, their ratios to a yardstick, and the history of all runs.
 
-The benchmarks are in bench/, timed by pytest-benchmark. Here its file becomes a table and one more entry of
-bench/history.json. Each time is a median of calls that plan another obstacle each, and is given in multiples of the
+The benchmarks are in bench/, timed by pytest-benchmark. This module turns its file into a table and a new entry of
+bench/history.json. Each time is a median of calls that each plan another obstacle. It is also given in multiples of the
 yardstick of the same run: one sweep of the rigid-body dynamics over the motion's samples, on one thread. So runs on
 different machines, or under different loads, can be compared.
 """
@@ -24,7 +24,7 @@ YARDSTICK = "yardstick"
 MARK = "bench"
 """Around the tables of docs/speed.md."""
 GROWTH = {"walk", "obstacles"}
-"""What marks a benchmark of longer walks, or of many obstacles."""
+"""Marks of a benchmark of longer walks, or of many obstacles."""
 
 
 @dataclass(frozen=True)
@@ -32,11 +32,11 @@ class Timed:
     """One benchmark.
 
     Attributes:
-        what: was timed.
-        group: which yardstick it has, such as "15 cm".
+        what: the name of the timed call.
+        group: benchmarks with the same yardstick, such as "15 cm".
         median, spread: of a call, and its interquartile range [s].
         rounds: how often it was called.
-        ratio: of the median to that of the yardstick; None where that was not measured.
+        ratio: of the median to that of the yardstick; None without a yardstick.
         more: other numbers by name: bytes, samples, simulated seconds.
     """
 
@@ -54,10 +54,10 @@ class Benchmark:
     """One run of the benchmarks.
 
     Attributes:
-        date: when, in UTC.
-        version, commit: of stepover; a commit that was changed since ends in "+".
+        date: of the run, in UTC.
+        version, commit: of stepover; a "+" at the end marks uncommitted changes.
         machine: processor, cores, load of the last minute, BLAS threads, Python, packages.
-        times: what was timed.
+        times: the benchmarks.
     """
 
     date: str
@@ -71,7 +71,7 @@ def read(path: Path) -> Benchmark:
     """A run from the file of pytest-benchmark.
 
     Raises:
-        InvalidInput: there is none, or it is not whole.
+        InvalidInput: the file is missing or damaged.
     """
     try:
         found = json.loads(path.read_text())
@@ -121,12 +121,12 @@ def _cells(one: Timed | None) -> tuple[str, str]:
 
 
 def _short(value: float) -> str:
-    """Three digits, and no power of ten."""
+    """Three significant digits, without a power of ten."""
     return f"{value:.{max(0, 2 - math.floor(math.log10(value)))}f}"
 
 
 def walks_table(run: Benchmark) -> Table:
-    """How planning grows with the duration of the walk, and with the samples in it."""
+    """Planning time by the duration of the walk, and by its number of samples."""
     rows = [
         (one.what, int(one.more["samples"]), _short(one.median), _short(1e6 * one.median / one.more["samples"]),
          f"{one.more['resident_bytes'] / 2**20:.0f}" if "resident_bytes" in one.more else "")
@@ -136,7 +136,7 @@ def walks_table(run: Benchmark) -> Table:
 
 
 def sweeps_table(run: Benchmark) -> Table:
-    """How a sweep grows with its obstacles, and what a second core gives."""
+    """Time of a sweep by its number of obstacles, and the gain of a second core."""
     sweeps = [one for one in run.times if "obstacles" in one.more]
     alone = {one.more["obstacles"]: one.median for one in sweeps if one.more["jobs"] == 1}
     rows = [
@@ -165,10 +165,10 @@ def other_numbers(run: Benchmark) -> list[str]:
 
 
 def append(run: Benchmark, history: Path) -> int:
-    """Add a run to the history, whole or not at all.
+    """Add a run to the history, completely or not at all.
 
     Returns:
-        How many runs it holds now.
+        The number of runs in the history.
 
     Raises:
         InvalidInput: the history is damaged, or cannot be written to.
@@ -189,7 +189,7 @@ def last(history: Path) -> Benchmark:
 
 
 def page(run: Benchmark, path: Path) -> str:
-    """Text of a page with a run's tables between its marks: see with_block."""
+    """The text of a page with the tables of a run between its marks: see with_block."""
     lines = [_machine(run), "", times_table(run)._repr_markdown_(), ""]
     lines += [f"- {line}" for line in other_numbers(run)]
     lines += ["", walks_table(run)._repr_markdown_(), "", sweeps_table(run)._repr_markdown_()]
@@ -197,7 +197,7 @@ def page(run: Benchmark, path: Path) -> str:
 
 
 def _machine(run: Benchmark) -> str:
-    """What the times are true for."""
+    """The machine and versions of a run."""
     machine = run.machine
     return (f"{machine['processor']}, {machine['cores']} cores, load {machine['load']:.1f} at the end, "
             f"{machine['threads']} BLAS thread, Python {machine['python_version']}, "
@@ -205,12 +205,12 @@ def _machine(run: Benchmark) -> str:
 
 
 def main(found: str, history: str, shown: str) -> None:
-    """Print a run, with the machine that it is true for; keep it, and show it on a page."""
+    """Print a run with its machine, add it to the history, and update the page."""
     run = read(Path(found))
     print(times_table(run), "", *other_numbers(run), "", walks_table(run), "", sweeps_table(run), sep="\n")
     print(f"\n{_machine(run)}")
     if run.machine["load"] > 1.5:
-        print("the machine did something else meanwhile: trust the ratios, not the times")
+        print("the machine was busy with other work: trust the ratios, not the times")
     text = page(run, Path(shown))
     print(f"kept as run {append(run, Path(history))} of {history}")
     write_whole(Path(shown), lambda file: file.write(text.encode()))

@@ -1,8 +1,8 @@
 """`make site`: one site that needs no network, with every notebook executed. The only door to Sphinx.
 
-The pages are laid out by site_pages, rendered by Sphinx as docs/site says, and checked by site_links. Notebooks that
-`make reproduce` has not left in build/notebooks/, or that are older than what they show, are run first. Nothing outside
-build/ is written; a site that fails leaves the old one as it was.
+site_pages lays the pages out, Sphinx renders them with the settings in docs/site, and site_links checks the links. A
+notebook runs first if build/notebooks/ holds no executed copy, or an outdated one. Nothing outside build/ is written.
+If the site fails, the old one stays unchanged.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ from typing import Any
 from stepover.errors import StepOverError
 from stepover.locations import checkout
 from stepover.model.obstacle import Obstacle
+from stepover.motion.footsteps import LEG_1
 from stepover.planning.algorithm_1.planner import plan
-from stepover.planning.algorithm_1.step_sequence import LEG_1
 from stepover.report import viewer
 from stepover.reproduction.run import OUTPUT, find_notebooks, run_notebook
 from stepover.robots.loading import load_robot
@@ -29,23 +29,23 @@ from tools.site_links import faults
 from tools.site_pages import BESIDE, FILES, VIEWS, lay_out
 
 PARTS = "4"
-"""Into which Sphinx divides its work, alphabetically: with fewer, all of the reference would fall to one core."""
+"""Number of parallel jobs of Sphinx. It splits pages alphabetically; with fewer, one core gets the whole reference."""
 INDEPENDENT = "cli", "__main__.py"
-"""Code that no notebook depends on, beside the site's own."""
+"""Code of the package that no notebook depends on."""
 
 
 class SiteFailed(StepOverError):
-    """A page that Sphinx complains about, or a link that leads nowhere; the message names them, one a line."""
+    """Sphinx gave a warning, or a link is broken. The message names each, one per line."""
 
     exit_code = 1
 
 
 def make(top: Path) -> Path:
-    """The whole site of a checkout, build/site/.
+    """Make the whole site of a checkout, build/site/.
 
     Raises:
-        NotebookFailed: a notebook that had to be run.
-        SiteFailed: see there.
+        NotebookFailed: a notebook had to run and failed.
+        SiteFailed: Sphinx gave a warning, or a link is broken.
     """
     executed = [_executed(top, notebook) for notebook in find_notebooks(top)]
     _say("notebooks are up to date; planning the crossings shown in 3-D")
@@ -59,15 +59,15 @@ def crossings_of(top: Path) -> dict[str, Any]:
 
 
 def crossing(robot: str, height: float, width: float) -> str:
-    """3-D page of a robot, by its name, that steps over an obstacle [m], at first with leg 1 just behind it."""
+    """3-D page of a named robot that steps over an obstacle [m]. It opens at the landing of leg 1."""
     model = load_robot(robot)
     motion = plan(model, Obstacle(height, width))
-    (landing,) = motion.footsteps[motion.footsteps[:, 5] == LEG_1, 0]
+    (landing,) = motion.footsteps.of_kind(LEG_1).time
     return viewer.page(model, motion, float(landing))
 
 
 def build(top: Path, notebooks: Sequence[Path], views: Mapping[str, tuple[str, str]], site: Path) -> Path:
-    """Render a site and put it in its place once it is whole.
+    """Render a site and put it in its place when it is complete.
 
     Args:
         top: the checkout.
@@ -104,7 +104,7 @@ def build(top: Path, notebooks: Sequence[Path], views: Mapping[str, tuple[str, s
 
 
 def stale(top: Path, notebook: Path) -> str:
-    """Why the executed copy of a notebook will not do; "" where it does."""
+    """Why the executed copy of a notebook is outdated; "" if it is not."""
     executed = top / "build" / "notebooks" / notebook.name
     if not executed.is_file():
         return "has not been run"
@@ -119,7 +119,7 @@ def stale(top: Path, notebook: Path) -> str:
 
 
 def _sources(top: Path, notebook: Path) -> list[Path]:
-    """What a notebook shows: itself, the library, the data, the stored tables."""
+    """The files that a notebook depends on: itself, the library, the data, the stored tables."""
     package = top / "stepover"
     code = [path for path in package.rglob("*.py") if path.relative_to(package).parts[0] not in INDEPENDENT]
     data = [path for path in (top / "data").rglob("*") if path.is_file() and path.suffix != ".md"]
@@ -127,7 +127,7 @@ def _sources(top: Path, notebook: Path) -> list[Path]:
 
 
 def _executed(top: Path, notebook: Path) -> Path:
-    """The executed copy of a notebook, run now where it is missing or stale; its figures and records go nowhere."""
+    """The executed copy of a notebook. It runs now if the copy is missing or outdated; its figures are dropped."""
     executed, why = top / "build" / "notebooks" / notebook.name, stale(top, notebook)
     if why:
         _say(f"notebook {notebook.stem} {why}: it is run")
@@ -140,12 +140,12 @@ def _executed(top: Path, notebook: Path) -> Path:
 
 
 def _say(what: str) -> None:
-    """What is being done, at once."""
+    """Print a message at once."""
     print(what, flush=True)
 
 
 def _render(pages: Path, made: Path, settings: Path) -> None:
-    """Let Sphinx make pages of pages; whatever it complains about is an error."""
+    """Render the pages with Sphinx. Every warning is an error."""
     options = ["-b", "html", "-q", "-W", "--keep-going", "-j", PARTS, "-E", "-d", str(pages.parent / "doctrees")]
     command = [sys.executable, "-m", "sphinx", *options, "-c", str(settings), str(pages), str(made)]
     done = subprocess.run(command, capture_output=True, text=True)

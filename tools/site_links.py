@@ -1,4 +1,4 @@
-"""What is wrong with the links of a site: targets that are not there, and whatever would be loaded from a host."""
+"""Check the links of a site: missing targets, and anything that a page would load from the network."""
 
 from __future__ import annotations
 
@@ -10,21 +10,21 @@ from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
 LINKS = {"a": "href", "area": "href", "form": "action"}
-"""Where a reader may go, to a host too; by tag its attribute. All other addresses in a page are loaded with it."""
+"""Attributes of links that a reader may follow, by tag. All other addresses are loaded with the page."""
 LOADED = {"src", "href", "poster", "data", "srcset", "background"}
 NAVIGATION = {"next", "prev", "search", "index", "author", "license", "canonical", "alternate", "genindex"}
-"""What a <link> may point to without loading it."""
+"""Relations of a <link> that load nothing."""
 IN_STYLE = re.compile(r"""url\(\s*["']?([^"')]+)|@import\s+["']([^"']+)""")
 
 
 @dataclass
 class _Page(HTMLParser):
-    """What a page points to, and what can be pointed to in it.
+    """The links of a page, and its anchors.
 
     Attributes:
         ids: its anchors.
-        links: addresses where a reader may go.
-        loaded: addresses that come with the page.
+        links: addresses that a reader may follow.
+        loaded: addresses that the page loads.
     """
 
     ids: set[str] = field(default_factory=set)
@@ -48,7 +48,7 @@ class _Page(HTMLParser):
                 (self.links if goes else self.loaded).extend(one if name == "srcset" else [found[name]])
 
     def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        """As an opening tag; what follows is not inside it."""
+        """Like an opening tag, but without content."""
         self.handle_starttag(tag, attrs)
         self._style = False
 
@@ -68,7 +68,7 @@ def in_style(text: str) -> list[str]:
 
 
 def faults(site: Path) -> list[str]:
-    """Every broken link and every resource from a host, one line each, "page: what"; none for a site that is whole."""
+    """Every broken link and every resource from the network, one line each, as "page: fault"; none if all is well."""
     pages = {path.resolve(): _read(path) for path in sorted(site.rglob("*.html"))}
     if not pages:
         return [f"{site}: no pages"]
@@ -92,7 +92,7 @@ def _read(path: Path) -> _Page:
 
 
 def _faults(path: Path, page: _Page, pages: dict[Path, _Page], site: Path) -> Iterator[str]:
-    """What is wrong with a page, each address once."""
+    """The faults of a page, each address once."""
     for addresses, loaded in ((page.links, False), (page.loaded, True)):
         for address in dict.fromkeys(addresses):
             fault = _fault(address, loaded, path, pages, site)
@@ -101,7 +101,7 @@ def _faults(path: Path, page: _Page, pages: dict[Path, _Page], site: Path) -> It
 
 
 def _fault(address: str, loaded: bool, path: Path, pages: dict[Path, _Page], site: Path) -> str:
-    """What is wrong with an address in a file; "" for nothing."""
+    """The fault of an address in a file; "" if there is none."""
     parts = urlsplit(address)
     if parts.scheme == "data" or (not loaded and parts.scheme in ("http", "https", "mailto")):
         return ""

@@ -1,13 +1,14 @@
 """What feeds what in Algorithm 1, read from the planner's own text: the content of Fig. 4.
 
 A step is a call of a function whose docstring says which "step ... of Algorithm 1" it is. What such a call gives is
-followed through assignments, loops and other calls to the steps that take it. So the diagram cannot tell another
-story than the planner.
+followed to the steps that take it: through assignments, loops, the fields of dataclasses, and functions of the planner
+that call steps themselves. So the diagram cannot tell another story than the planner.
 """
 
 from __future__ import annotations
 
 import ast
+import dataclasses
 import inspect
 import re
 from collections.abc import Iterator, Sequence
@@ -26,6 +27,8 @@ INPUT, OUTPUT = "obstacle", "Motion"
 """What goes in: a parameter; what comes out: a class."""
 Product = tuple[str, str]
 """Who made it, and under which name the planner knows it; "" before it has one."""
+Value = set[Product] | dict[str, "Value"] | list["Value"]
+"""What a value is made of: its products; for a dataclass those of each field, for a tuple those of each part."""
 
 
 @dataclass(frozen=True)
@@ -65,9 +68,10 @@ def diagram(source: str | None = None) -> Diagram:
     """
     text = ast.parse(source or inspect.getsource(planner))
     functions = {part.name: part for part in text.body if isinstance(part, ast.FunctionDef)}
-    reader = _Reader()
+    inner = {name: part for name, part in functions.items() if any(_step(call) for call in _calls(part))}
+    reader = _Reader({name: part for name, part in inner.items() if not _step(name)})
     body = functions["algorithm_1"]
-    known: dict[str, set[Product]] = {INPUT: {(INPUT, INPUT)}}
+    known: dict[str, Value] = {INPUT: {(INPUT, INPUT)}}
     for name in _calls(functions["plan_in_detail"]):  # what is called there comes in as a parameter of its type
         if _step(name):
             reader.call(name, {(INPUT, INPUT)})
@@ -82,41 +86,68 @@ def diagram(source: str | None = None) -> Diagram:
 
 @dataclass
 class _Reader:
-    """Runs through statements with sets of products in place of values."""
+    """Runs through statements with what values are made of in their place.
 
+    Attributes:
+        functions: of the planner that call steps, by name.
+        steps: functions that were called, by step.
+        flows: as in Diagram.
+    """
+
+    functions: dict[str, ast.FunctionDef]
     steps: dict[int, list[str]] = field(default_factory=dict)
     flows: dict[tuple[str, str], list[str]] = field(default_factory=dict)
 
-    def run(self, body: Sequence[ast.stmt], known: dict[str, set[Product]]) -> None:
-        """Follow statements in their order; known is brought up to date."""
+    def run(self, body: Sequence[ast.stmt], known: dict[str, Value]) -> Value:
+        """Follow statements in their order; known is brought up to date. Gives what the last one returns."""
+        result: Value = set()
         for statement in body:
             match statement:
                 case ast.Assign(targets=[target]) | ast.AnnAssign(target=target) if statement.value:
-                    self._assign(target, statement.value, known)
+                    _assign(target, self.made_of(statement.value, known), known)
                 case ast.For() | ast.While():
                     self.run([*statement.body, *statement.body], known)
                 case ast.If() | ast.Try():
                     self.run(statement.body, known)
                 case ast.Expr(ast.Call(ast.Attribute(ast.Name(kept), "append"), [value])):
-                    known[kept] = known.get(kept, set()) | self.made_of(value, known)
-                case ast.Expr() | ast.Return():
+                    known[kept] = _products(known.get(kept, set())) | _products(self.made_of(value, known))
+                case ast.Expr():
                     self.made_of(statement, known)
+                case ast.Return() if statement.value:
+                    result = self.made_of(statement.value, known)
+        return result
 
-    def made_of(self, node: ast.AST, known: dict[str, set[Product]]) -> set[Product]:
-        """Products that go into an expression; a step's own call is what it gives."""
+    def made_of(self, node: ast.AST, known: dict[str, Value]) -> Value:
+        """What an expression is made of; a step's own call is what it gives."""
         match node:
             case ast.Name(name):
                 return known.get(name, set())
-            case ast.Attribute(ast.Name(name), part):
-                return {(maker, part if known_as == name else known_as) for maker, known_as in known.get(name, set())}
+            case ast.Attribute(owner, part):
+                return _part(self.made_of(owner, known), ast.unparse(owner).split(".")[-1], part)
+            case ast.Tuple(parts):
+                return [self.made_of(one, known) for one in parts]
+            case ast.Call(ast.Name(name), positional, keywords):
+                by_name = {one.arg or "": self.made_of(one.value, known) for one in keywords}
+                return self._called(name, [self.made_of(one, known) for one in positional], by_name)
         children = [node.body, node.orelse] if isinstance(node, ast.IfExp) else ast.iter_child_nodes(node)
-        found = set[Product]().union(*(self.made_of(child, known) for child in children))
-        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
-            if node.func.id == OUTPUT:
-                self._flow(OUTPUT, found, first=True)
-            elif _step(node.func.id):
-                return self.call(node.func.id, found)
-        return found
+        return _products([self.made_of(child, known) for child in children])
+
+    def _called(self, name: str, positional: list[Value], by_name: dict[str, Value]) -> Value:
+        """What a call gives: a step's product, a dataclass's fields, what a function of the planner returns."""
+        made = getattr(planner, name, None)
+        given = _products([*positional, *by_name.values()])
+        if name == OUTPUT:
+            self._flow(OUTPUT, given, first=True)
+        elif _step(name):
+            return self.call(name, given)
+        elif name in self.functions:
+            function = self.functions[name]
+            parameters = [one.arg for one in function.args.args]
+            return self.run(function.body, dict(zip(parameters, positional, strict=False)) | by_name)
+        elif isinstance(made, type) and dataclasses.is_dataclass(made):
+            fields = dict(zip([one.name for one in dataclasses.fields(made)], positional, strict=False)) | by_name
+            return {own: _named(value, own) for own, value in fields.items()}
+        return given
 
     def call(self, function: str, given: set[Product]) -> set[Product]:
         """A step is called: note it, and what flows to it."""
@@ -134,14 +165,34 @@ class _Reader:
                 names = self.flows.setdefault((maker, taker), [])
                 names += [name] * (name not in names)
 
-    def _assign(self, target: ast.expr, value: ast.expr, known: dict[str, set[Product]]) -> None:
-        """Bind names; what has none yet gets this one."""
-        if isinstance(target, ast.Tuple) and isinstance(value, ast.Tuple):
-            made = [self.made_of(one, known) for one in value.elts]
-            known |= {ast.unparse(one): made_of for one, made_of in zip(target.elts, made, strict=True)}
-        else:
-            name = ast.unparse(target)
-            known[name] = {(maker, known_as or name) for maker, known_as in self.made_of(value, known)}
+
+def _assign(target: ast.expr, value: Value, known: dict[str, Value]) -> None:
+    """Bind names; what has none yet gets this one."""
+    if isinstance(target, ast.Tuple) and isinstance(value, list):
+        for one, part in zip(target.elts, value, strict=True):
+            _assign(one, part, known)
+    else:
+        known[ast.unparse(target)] = _named(value, ast.unparse(target))
+
+
+def _named(value: Value, name: str) -> Value:
+    """The same value, products without a name under this one."""
+    return {(maker, known_as or name) for maker, known_as in value} if isinstance(value, set) else value
+
+
+def _part(value: Value, name: str, part: str) -> Value:
+    """An attribute of a value with a name: a field, or a product that is known under that name by its part."""
+    if isinstance(value, dict) and part in value:
+        return value[part]
+    return {(maker, part if known_as == name else known_as) for maker, known_as in _products(value)}
+
+
+def _products(value: Value) -> set[Product]:
+    """All products in a value."""
+    if isinstance(value, set):
+        return value
+    parts = value.values() if isinstance(value, dict) else value
+    return set[Product]().union(*(_products(part) for part in parts))
 
 
 def _calls(function: ast.FunctionDef) -> Iterator[str]:

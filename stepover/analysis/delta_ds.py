@@ -13,10 +13,11 @@ import numpy as np
 from stepover.errors import InvalidInput
 from stepover.model.obstacle import Obstacle
 from stepover.model.robot import Robot
+from stepover.motion.footsteps import LEG_1, LEG_2
 from stepover.planning.algorithm_1.com_waist import com_and_waist
 from stepover.planning.algorithm_1.feasibility import KeyConfiguration
 from stepover.planning.algorithm_1.preview_control import kajita_gains, track
-from stepover.planning.algorithm_1.step_sequence import LEG_1, LEG_2, step_sequence
+from stepover.planning.algorithm_1.step_sequence import step_sequence
 
 
 class Share(NamedTuple):

@@ -14,7 +14,7 @@ import numpy as np
 from stepover.errors import InvalidInput
 from stepover.model.obstacle import Obstacle
 from stepover.model.robot import Robot
-from stepover.planning.algorithm_1.feasibility import front_face, key_postures
+from stepover.planning.algorithm_1.feasibility import KeyCandidates, front_face, key_postures
 
 FINER = 11
 """Points of the finer grid between a posture's neighbours."""
@@ -61,7 +61,7 @@ def key_grid(robot: Robot, step: float, yaw_deg: float, x_ads_max: float = 1.0, 
 def key_domain(robot: Robot, obstacle: Obstacle, grid: KeyGrid) -> np.ndarray:
     """Which key configurations of a grid FU would accept: (N, M) bool, heights by step lengths."""
     x_ads, z_hds = np.meshgrid(grid.x_ads, grid.z_hds)
-    return _good(robot, obstacle, x_ads.ravel(), z_hds.ravel(), grid.yaw_deg).reshape(x_ads.shape)
+    return _good(robot, obstacle, _candidates(robot, grid, x_ads.ravel(), z_hds.ravel())).reshape(x_ads.shape)
 
 
 def first_found(domain: np.ndarray, grid: KeyGrid) -> tuple[float, float] | None:
@@ -91,18 +91,19 @@ def highest_obstacle(
         0 where not even an obstacle as high as the resolution leaves one.
     """
     tried = np.ones((len(grid.z_hds), len(grid.x_ads)), bool) if where is None else where
-    postures = np.array([axis[tried] for axis in np.meshgrid(grid.x_ads, grid.z_hds)])
-    lowest, highest = postures.min(axis=1), postures.max(axis=1)
-    good = _good(robot, Obstacle(resolution, width), postures[0], postures[1], grid.yaw_deg)
-    postures = postures[:, good]
-    if postures.size == 0:
+    coarse = _candidates(robot, grid, *(axis[tried] for axis in np.meshgrid(grid.x_ads, grid.z_hds)))
+    coarse_good = coarse.at(_good(robot, Obstacle(resolution, width), coarse))
+    if coarse_good.x_ads.size == 0:
         return 0.0
-    low, postures = _climb(robot, width, postures, grid.yaw_deg, resolution, robot.leg(1).length, resolution)
+    low, left = _climb(robot, width, coarse_good, (resolution, robot.leg(1).length), resolution)
     offsets = (grid.x_ads[1] - grid.x_ads[0]) * np.linspace(-1.0, 1.0, FINER)
-    around = np.array([axis.ravel() for axis in np.meshgrid(offsets, offsets)])
-    nearby = (postures[:, :, None] + around[:, None]).reshape(2, -1)
-    nearby = np.clip(nearby, lowest[:, None], highest[:, None])
-    return _climb(robot, width, nearby, grid.yaw_deg, low, low + FURTHER, resolution)[0]
+    finer = [
+        np.clip((values[:, None] + around.ravel()).ravel(), every.min(), every.max())
+        for values, around, every in zip(
+            (left.x_ads, left.z_hds), np.meshgrid(offsets, offsets), (coarse.x_ads, coarse.z_hds), strict=True
+        )
+    ]
+    return _climb(robot, width, _candidates(robot, grid, *finer), (low, low + FURTHER), resolution)[0]
 
 
 def frontier(robot: Robot, widths: np.ndarray, grid: KeyGrid, where: np.ndarray | None = None) -> np.ndarray:
@@ -126,27 +127,35 @@ def yaw_gains(limits: Mapping[str, np.ndarray]) -> np.ndarray:
     return np.asarray((turned - straight)[straight > 0.0])
 
 
+def _candidates(robot: Robot, grid: KeyGrid, x_ads: np.ndarray, z_hds: np.ndarray) -> KeyCandidates:
+    """Key configurations of step lengths and waist heights (K,) [m], at the yaw of a grid: X_hds by Eq. (22)."""
+    return KeyCandidates(x_ads, robot.feasibility.delta_ds * x_ads, z_hds, float(np.radians(grid.yaw_deg)))
+
+
 def _climb(
-    robot: Robot, width: float, postures: np.ndarray, yaw_deg: float, low: float, high: float, resolution: float
-) -> tuple[float, np.ndarray]:
-    """Bisection from a height that some of the postures (2, K) allow: the highest one [m], and those that allow it."""
+    robot: Robot, width: float, candidates: KeyCandidates, between: tuple[float, float], resolution: float
+) -> tuple[float, KeyCandidates]:
+    """Bisection between a height [m] that some of the candidates allow and one above it.
+
+    Returns:
+        The highest one [m], and the candidates that allow it.
+    """
+    low, high = between
     while high - low > resolution:
         middle = (low + high) / 2.0
-        good = _good(robot, Obstacle(middle, width), postures[0], postures[1], yaw_deg)
+        good = _good(robot, Obstacle(middle, width), candidates)
         if good.any():
-            low, postures = middle, postures[:, good]
+            low, candidates = middle, candidates.at(good)
         else:
             high = middle
-    return low, postures
+    return low, candidates
 
 
-def _good(robot: Robot, obstacle: Obstacle, x_ads: np.ndarray, z_hds: np.ndarray, yaw_deg: float) -> np.ndarray:
+def _good(robot: Robot, obstacle: Obstacle, candidates: KeyCandidates) -> np.ndarray:
     """FU's judgement (K,): the obstacle with its margins before the front heel and beyond the rear toe."""
     search = robot.feasibility
     toe = robot.foot.toe + search.foothold_clearance
-    fits = front_face(robot, obstacle, x_ads) - obstacle.margin_width >= toe - 1e-9
-    good = np.zeros(len(x_ads), bool)
-    if fits.any():
-        x, z = x_ads[fits], z_hds[fits]
-        good[fits] = key_postures(robot, obstacle, x, search.delta_ds * x, z, np.radians(yaw_deg)).good(search.spare)
+    good = np.asarray(front_face(robot, obstacle, candidates.x_ads) - obstacle.margin_width >= toe - 1e-9)
+    if good.any():
+        good[good] = key_postures(robot, obstacle, candidates.at(good)).good(search.spare)
     return good

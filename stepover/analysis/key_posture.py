@@ -16,15 +16,10 @@ def key_posture(robot: Robot, key: KeyConfiguration) -> np.ndarray:
     q[:7] = waist[0]
     q[robot.body.column(robot.upper_body.chest_yaw)] = -key.yaw
     for side in (1, -1):
-        x = key.x_ads if side == leading_side(key) else 0.0
+        x = key.x_ads if side == key.leading else 0.0
         sole = pose(np.array([[x, side * robot.posture.feet_apart / 2.0, 0.0]]))
         q[robot.leg(side).columns] = robot.leg(side).inverse(waist, sole)[0]
     return q
-
-
-def leading_side(key: KeyConfiguration) -> int:
-    """The front leg: the one whose hip the waist's yaw brings ahead; +1 left, -1 right."""
-    return -1 if key.yaw >= 0.0 else 1
 
 
 def knees_from_straight(robot: Robot, q: np.ndarray) -> np.ndarray:

@@ -13,10 +13,11 @@ from stepover.analysis.planar.biped import planar_biped
 from stepover.model.gravity import GRAVITY
 from stepover.model.obstacle import Obstacle
 from stepover.model.robot import Robot
+from stepover.motion.footsteps import LEG_1, NORMAL
 from stepover.motion.motion import Motion
 from stepover.planning.algorithm_1.feasibility import key_configurations
 from stepover.planning.algorithm_1.feet_trajectories import feet_trajectories
-from stepover.planning.algorithm_1.step_sequence import NORMAL, step_sequence
+from stepover.planning.algorithm_1.step_sequence import Crossing, step_sequence
 
 
 @dataclass(frozen=True)
@@ -82,16 +83,16 @@ def timing(motion: Motion) -> list[float]:
     lasting = [(side != 0, sum(1 for _ in run) * motion.dt) for side, run in groupby(motion.support.tolist())]
     singles = [time for alone, time in lasting if alone]
     doubles = [time for alone, time in lasting if not alone][1:-1]
-    kinds = motion.footsteps[:, 5].tolist()
-    normal, over = kinds.index(NORMAL), kinds.index(NORMAL + 2)
+    kinds = motion.footsteps.kind.tolist()
+    normal, over = kinds.index(NORMAL), kinds.index(LEG_1)
     return [singles[normal], doubles[normal], singles[over], doubles[over], len(kinds)]
 
 
 def special_steps(motion: Motion) -> float:
     """From the lift-off of the step before the obstacle to the touch-down of the one after it [s]."""
     starts = motion.time[np.flatnonzero((motion.support[1:] != 0) & (motion.support[:-1] == 0)) + 1]
-    special = np.flatnonzero(motion.footsteps[:, 5] != NORMAL)
-    return float(motion.footsteps[special[-1], 0] - starts[special[0]])
+    special = np.flatnonzero(motion.footsteps.kind != NORMAL)
+    return float(motion.footsteps.time[special[-1]] - starts[special[0]])
 
 
 def planning_times(robot: Robot, obstacle: Obstacle, motion: Motion, whole: float, repeats: int) -> list[float]:
@@ -111,7 +112,7 @@ def planning_times(robot: Robot, obstacle: Obstacle, motion: Motion, whole: floa
 
     def planning() -> None:
         sequence = step_sequence(robot, obstacle, key_configurations(robot, obstacle)[0], robot.rest_zmp())
-        feet_trajectories(robot, obstacle, sequence)
+        feet_trajectories(Crossing(robot, obstacle, sequence))
 
     first = _median_time(planning, repeats)
     dynamics = _median_time(lambda: robot.body.contact_wrench(motion.q, motion.dt), repeats)

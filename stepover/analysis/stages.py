@@ -1,4 +1,4 @@
-"""The crossing before it was adapted, and what each unit of Algorithm 1 buys. Sec. III-D, III-E and IV, Figs. 5, 7.
+"""The crossing before it was adapted, and what each unit of Algorithm 1 contributes. Sec. III-D, III-E, IV, Figs. 5, 7.
 
 "Before" means: the feet as FTG made them and the waist of CWTG1, with the ZMP reference under the ankles and the
 arms at rest, for the key configuration of the finished plan. Nothing is clamped in silence: where a sole is out of
@@ -7,6 +7,8 @@ reach, knee angles are NaN and the distance that is missing is kept beside them.
 
 from __future__ import annotations
 
+import contextlib
+import dataclasses
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,18 +17,15 @@ from stepover.analysis.key_posture import knees_from_straight
 from stepover.errors import Infeasible
 from stepover.model.obstacle import Obstacle
 from stepover.model.robot import Robot
-from stepover.planning.algorithm_1.adaptor_ways import raise_waist
-from stepover.planning.algorithm_1.beyond_paper import extra_shape, extra_zmp, waist_delay
-from stepover.planning.algorithm_1.com_waist import ComWaist, com_and_waist
-from stepover.planning.algorithm_1.dynamic_filter import filtered_waist
+from stepover.motion.footsteps import LEG_1, LEG_2
 from stepover.planning.algorithm_1.feasibility import KeyConfiguration
 from stepover.planning.algorithm_1.feet_adaptor import METHODS, adapt_feet
-from stepover.planning.algorithm_1.feet_trajectories import FeetTrajectories, feet_trajectories
-from stepover.planning.algorithm_1.planned import Effort, Plan
-from stepover.planning.algorithm_1.planner import algorithm_1, whole_body
-from stepover.planning.algorithm_1.step_sequence import LEG_1, LEG_2, StepSequence, step_sequence
-from stepover.planning.algorithm_1.upper_body import moved, upper_body
-from stepover.planning.leg_check import check_legs
+from stepover.planning.algorithm_1.plan import Nominal, Options, Plan
+from stepover.planning.algorithm_1.planner import algorithm_1, filter_pass, nominal_trajectories
+from stepover.planning.algorithm_1.shift_and_raise import raise_waist
+from stepover.planning.algorithm_1.step_sequence import StepSequence
+from stepover.planning.leg_check import LegLimits, check_legs
+from stepover.planning.trajectories import FeetTrajectories, WaistAndFeet
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,13 +46,12 @@ class Stage:
 
     def swing(self, kind: int) -> slice:
         """Samples from lift-off to touch-down of leg 1 or leg 2."""
-        step = self.sequence.step(kind)
-        return slice(step.lift_off, step.touch_down + 1)
+        return self.sequence.step(kind).swing
 
 
 @dataclass(frozen=True)
-class Bought:
-    """What a combination of units comes to in phase 3.
+class Contribution:
+    """What a combination of units achieves in phase 3.
 
     Attributes:
         units: which units.
@@ -72,45 +70,40 @@ class Bought:
     reason: str
 
 
-COMBINATIONS = (
-    ("none", "off", (), 0),
-    ("(1)", "off", (1,), 0),
-    ("(2)", "off", (2,), 0),
-    ("(1), (2)", "off", (1, 2), 0),
-    ("(1), (2), (3)", "off", METHODS, 0),
-    ("FTA, UBMG", "auto", METHODS, 0),
-    ("FTA, UBMG, beyond the paper", "auto", METHODS, 1),
-)
-"""Name, arms, methods of FTA, and 1 where what is added beyond the paper may be used."""
+COMBINATIONS = {
+    "none": Options("off", ()),
+    "(1)": Options("off", (1,)),
+    "(2)": Options("off", (2,)),
+    "(1), (2)": Options("off", (1, 2)),
+    "(1), (2), (3)": Options("off", METHODS),
+    "FTA, UBMG": Options("auto", METHODS),
+    "FTA, UBMG, beyond the paper": Options("auto", METHODS, level=1),
+}
+"""Options by name. Level 1 stands for the level that the obstacle needs."""
 
 
-def first_stage(robot: Robot, obstacle: Obstacle, key: KeyConfiguration, level: int) -> tuple[Stage, ComWaist]:
-    """Steps 2 and 3 of Algorithm 1 alone: feet of FTG, waist of CWTG1; level as in Effort."""
-    sequence = extra_zmp(robot, step_sequence(robot, obstacle, key, robot.rest_zmp()), level)
-    feet = feet_trajectories(robot, obstacle, sequence, extra_shape(robot, level))
-    first = com_and_waist(robot, sequence, key, waist_delay(robot, level))
-    return Stage("CWTG1", sequence, first.waist, feet), first
-
-
-def lead_leg_stages(robot: Robot, obstacle: Obstacle, planned: Plan) -> list[Stage]:
+def lead_leg_stages(planned: Plan) -> list[Stage]:
     """How the waist comes ahead before leg 1 lands: what each of the units adds, for the plan's key configuration."""
-    plain, first = first_stage(robot, obstacle, planned.key, 0)
-    arms = upper_body(robot, plain.sequence, plain.feet, first, "on")
-    result = [
-        Stage("before adaptation", plain.sequence, plain.waist, plain.feet),
-        Stage("with the arms as far back as they may go", plain.sequence, moved(plain.waist, arms.waist_shift),
-              plain.feet),
-    ]  # fmt: skip
-    if planned.effort.level:
-        result.append(Stage("ZMP inside the soles, arms at rest", planned.sequence, planned.first_stage.waist,
-                            planned.feet))  # fmt: skip
+    crossing = planned.nominal.crossing
+    at_rest, back = (
+        nominal_trajectories(crossing.robot, crossing.obstacle, planned.key, Options(arms)) for arms in ("off", "on")
+    )
+    result = [_stage("before adaptation", at_rest), _stage("with the arms as far back as they may go", back)]
+    if planned.options.level:
+        waist = planned.nominal.first_stage.waist
+        result.append(Stage("ZMP inside the soles, arms at rest", planned.sequence, waist, planned.nominal.feet))
     return [*result, after_adaptation(planned)]
+
+
+def _stage(name: str, nominal: Nominal) -> Stage:
+    """Nominal waist and feet."""
+    return Stage(name, nominal.crossing.sequence, nominal.waist, nominal.feet)
 
 
 def before_feet_adaptor(robot: Robot, planned: Plan) -> Stage:
     """What FTA was given: the feet of FTG, and the plan's waist without the rise of method (2)."""
     waist = raise_waist(robot, planned.sequence, planned.motion.waist, -planned.adaptation.raised)
-    return Stage("before adaptation", planned.sequence, waist, planned.feet)
+    return Stage("before adaptation", planned.sequence, waist, planned.nominal.feet)
 
 
 def after_adaptation(planned: Plan) -> Stage:
@@ -163,8 +156,8 @@ def lift(stage: Stage, kind: int) -> float:
     return float(stage.feet.foot(stage.sequence.step(kind).side)[stage.swing(kind), 2].max())
 
 
-def bought(robot: Robot, obstacle: Obstacle, key: KeyConfiguration, level: int) -> list[Bought]:
-    """What the combinations of units come to, all for one key configuration.
+def contributions(robot: Robot, obstacle: Obstacle, key: KeyConfiguration, level: int) -> list[Contribution]:
+    """What the combinations of units achieve, all for one key configuration.
 
     Args:
         robot: the robot.
@@ -173,42 +166,38 @@ def bought(robot: Robot, obstacle: Obstacle, key: KeyConfiguration, level: int) 
         level: of what is added beyond the paper, for the last combination.
     """
     return [
-        bought_by(robot, obstacle, key, Effort(arms, methods, beyond * level), units)
-        for units, arms, methods, beyond in COMBINATIONS
+        contribution(robot, obstacle, key, dataclasses.replace(options, level=options.level * level), units)
+        for units, options in COMBINATIONS.items()
     ]
 
 
-def bought_by(robot: Robot, obstacle: Obstacle, key: KeyConfiguration, effort: Effort, units: str = "") -> Bought:
-    """One combination: the plan where there is one, else as far as its units come."""
+def contribution(
+    robot: Robot, obstacle: Obstacle, key: KeyConfiguration, options: Options, units: str = ""
+) -> Contribution:
+    """What one combination achieves: the plan where there is one, else what a single pass of its units gives."""
     reason = ""
     try:
-        stage = after_adaptation(algorithm_1(robot, obstacle, key, effort))
+        stage = after_adaptation(algorithm_1(robot, obstacle, key, options))
     except Infeasible as error:
-        reason, stage = str(error), as_far_as_it_goes(robot, obstacle, key, effort)
-    third = stage.swing(LEG_2)
-    soles = stage.feet.left[third], stage.feet.right[third]
+        reason, stage = str(error), after_one_pass(nominal_trajectories(robot, obstacle, key, options), options)
+    third = WaistAndFeet(stage.waist, stage.feet).at(stage.swing(LEG_2))
     check, free = (
-        check_legs(robot, stage.waist[third], *soles, obstacle.profile(stage.sequence.front_face, margins), 0.0)
+        check_legs(robot, third, LegLimits(obstacle.profile(stage.sequence.front_face, margins), 0.0))
         for margins in (False, True)
     )
     knee, beyond = before_landing(robot, stage)
     missing = max(beyond, float(check.reach.max()))
-    return Bought(units, float(check.separation.min()), float(free.separation.min()), knee, missing, reason)
+    return Contribution(units, float(check.separation.min()), float(free.separation.min()), knee, missing, reason)
 
 
-def as_far_as_it_goes(robot: Robot, obstacle: Obstacle, key: KeyConfiguration, effort: Effort) -> Stage:
-    """One pass through the units of an effort, for what Algorithm 1 refuses to plan.
+def after_one_pass(nominal: Nominal, options: Options) -> Stage:
+    """Filter and FTA once over the nominal trajectories, for what Algorithm 1 refuses to plan.
 
     The filter is left out where a sole is out of reach: it may not see a posture that over-reaches.
     """
-    stage, first = first_stage(robot, obstacle, key, effort.level)
-    sequence, ftg = stage.sequence, stage.feet
-    upper = upper_body(robot, sequence, ftg, first, effort.arms)
-    waist = moved(first.waist, upper.waist_shift)
-    try:
-        q = whole_body(robot, waist, ftg, upper.q, sequence.time)
-        waist = filtered_waist(robot, waist, sequence.zmp, robot.body.zmp(q, robot.walk.sample_time))
-    except Infeasible:
-        pass
-    adaptation = adapt_feet(robot, obstacle, sequence, waist, ftg, effort.methods)
-    return Stage("", sequence, raise_waist(robot, sequence, waist, adaptation.raised), adaptation.feet)
+    crossing, waist = nominal.crossing, nominal.waist
+    with contextlib.suppress(Infeasible):
+        waist, _ = filter_pass(crossing, WaistAndFeet(waist, nominal.feet), nominal.upper.q)
+    adaptation = adapt_feet(crossing, WaistAndFeet(waist, nominal.feet), options.methods)
+    raised = raise_waist(crossing.robot, crossing.sequence, waist, adaptation.raised)
+    return Stage("", crossing.sequence, raised, adaptation.feet)

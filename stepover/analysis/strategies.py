@@ -19,7 +19,7 @@ class Strategy:
         whole: duration of the whole motion, from rest to rest [s].
         over: lift-off of leg 1 to touch-down of leg 2 [s].
         double_support: both feet down with the obstacle between them [s].
-        com_travel: way of the CoM in that double support, x [m].
+        com_travel: how far the CoM travels in that double support, x [m].
         apart: largest distance of the multi-body ZMP from the CoM's projection, lift-off of leg 1 to touch-down of
             leg 2 [m].
         com_margin: smallest distance of the CoM's projection from the edge of the support polygon in that time,
@@ -42,8 +42,8 @@ def strategy(robot: Robot, motion: Motion) -> Strategy:
     crossing = slice(first.start, second.stop + 1)
     com, zmp = motion.com[:, :2], motion.zmp
     margins = [
-        float(zmp_margin(robot, way, motion.support, motion.left_foot, motion.right_foot)[crossing].min())
-        for way in (com, zmp)
+        float(zmp_margin(robot, point, motion.support, motion.left_foot, motion.right_foot)[crossing].min())
+        for point in (com, zmp)
     ]
     return Strategy(
         whole=float(motion.time[-1] - motion.time[0]),

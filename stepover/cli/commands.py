@@ -9,6 +9,7 @@ from __future__ import annotations
 import contextlib
 import os
 import sys
+from collections import Counter
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, NoReturn
@@ -16,12 +17,19 @@ from typing import Any, NoReturn
 import click
 
 from stepover.errors import Infeasible, StepOverError
+from stepover.extras import needs
 
 DONE, BAD_INPUT, INFEASIBLE, NOT_CROSSED, INTERRUPTED = 0, 2, 3, 4, 130
 
 
 class Commands(click.Group):
     """A group of commands whose errors are one line on stderr, with our exit codes."""
+
+    def add_command(self, cmd: click.Command, name: str | None = None) -> None:
+        """Add a command; where it lacks an optional library, its error names the extra that has it."""
+        if cmd.callback is not None:
+            cmd.callback = needs(str(cmd.name))(cmd.callback)
+        super().add_command(cmd, name)
 
     def main(self, *args: Any, **options: Any) -> Any:
         """Run a command and leave with its exit code."""
@@ -39,6 +47,18 @@ class Commands(click.Group):
             complain(error.format_message().rstrip(".") + hint, BAD_INPUT)
         except StepOverError as error:
             complain(str(error), exit_code(error))
+
+
+class Command(click.Command):
+    """A command that takes each option once: of two values, neither wins in silence."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Refuse an option that is given again, unless it may be repeated."""
+        _, _, order = self.make_parser(ctx).parse_args(list(args))
+        for option, times in Counter(order).items():
+            if isinstance(option, click.Option) and times > 1 and not (option.multiple or option.is_eager):
+                raise click.UsageError(f"{' / '.join([*option.opts, *option.secondary_opts])} is given twice", ctx)
+        return super().parse_args(ctx, args)
 
 
 def exit_code(error: StepOverError) -> int:

@@ -3,50 +3,94 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import click
+from click.core import ParameterSource
 
-from stepover.cli.commands import progress
-from stepover.cli.options import as_json, margins, new_file, planner_choices
+from stepover.cli.commands import Command, progress
+from stepover.cli.options import as_json, choice, margins, new_file, planner_choices
+from stepover.errors import InvalidInput
+from stepover.planning.planner import PLANNERS, find_planner
+
+if TYPE_CHECKING:
+    from stepover.model.obstacle import Obstacle
+    from stepover.model.robot import Robot
+    from stepover.motion.motion import Motion
+
+OWN = {"paper": ("arms", "speed_limits", "extras"), "quasi-static": ("epsilon",)}
+"""Options that one planner alone has."""
 
 
-@click.command()
+@click.command(cls=Command)
 @click.option("--robot", default="hrp2", show_default=True, help="A name under data/, or a path to a robot.toml.")
 @click.option("--height", type=float, required=True, help="Height of the bare obstacle [m].")
-@click.option("--width", type=float, required=True, help="Width of the bare obstacle, along the way [m].")
+@click.option("--width", type=float, required=True, help="Width of the bare obstacle, along the path [m].")
 @margins
 @click.option("--distance", type=float, help="From between the ankles to its front face [m]; default: nominal steps.")
+@choice("--planner", tuple(PLANNERS), "Algorithm 1 of the paper, or its quasi-static baseline.")
 @planner_choices
+@click.option(
+    "--extras/--no-extras", default=True, show_default=True,
+    help="Whether the paper's planner may use what is added beyond the paper.",
+)  # fmt: skip
+@click.option(
+    "--epsilon", type=float, default=0.001, show_default=True,
+    help="Of the quasi-static planner: largest distance between ZMP and the CoM's projection [m].",
+)  # fmt: skip
 @new_file("--output", "Where the motion goes", ".npz", required=True)
 @new_file("--csv", "Also as a table, one sample a row", ".csv")
 @as_json
+@click.pass_context
 def plan(
+    context: click.Context,
     robot: str,
     height: float,
     width: float,
     margin_height: float,
     margin_width: float,
     distance: float | None,
-    arms: str,
-    speed_limits: str,
+    planner: str,
     output: Path,
     csv: Path | None,
     as_json: bool,
+    **options: Any,
 ) -> None:
     """Plan how to step over an obstacle, and write the motion to a file.
 
     Example: python -m stepover plan --height 0.15 --width 0.05 --output motion.npz
     """
+    own = {name: options[name] for name in OWN.get(planner, ())}
+    for name in options.keys() - own.keys():
+        if context.get_parameter_source(name) == ParameterSource.COMMANDLINE:
+            owner = next(other for other, names in OWN.items() if name in names)
+            raise InvalidInput(f"--{name.replace('_', '-')} is an option of the planner {owner!r}, not of {planner!r}")
     from stepover.model.obstacle import Obstacle
-    from stepover.planning.algorithm_1.planner import plan_in_detail
     from stepover.report import summary
     from stepover.robots.loading import load_robot
 
     model, obstacle = load_robot(robot), Obstacle(height, width, margin_height, margin_width, distance)
-    with progress("not this one; looking for the nearest that can be stepped over") as advance:
-        planned = plan_in_detail(model, obstacle, arms=arms, speed_limits=speed_limits, progress=advance)
-    result = summary.plan_to_json(model, obstacle, planned)
-    planned.motion.save(output)
+    motion, result = _planned(planner, model, obstacle, own)
+    motion.save(output)
     if csv is not None:
-        planned.motion.save_csv(csv)
+        motion.save_csv(csv)
     click.echo(summary.as_line(result) if as_json else f"{summary.plan_summary(result)}\n\nwritten to {output}")
+
+
+def _planned(name: str, robot: Robot, obstacle: Obstacle, own: dict[str, Any]) -> tuple[Motion, dict[str, Any]]:
+    """The motion by the planner of a name, and what is printed of it: more where the planner says more."""
+    from stepover.report import summary
+
+    if name == "paper":
+        from stepover.planning.algorithm_1.planner import plan_in_detail
+
+        with progress("not this one; looking for the nearest that can be stepped over") as advance:
+            planned = plan_in_detail(robot, obstacle, **own, progress=advance)
+        return planned.motion, summary.plan_to_json(robot, obstacle, planned)
+    if name == "quasi-static":
+        from stepover.planning.quasi_static.planner import quasi_static_in_detail
+
+        slow = quasi_static_in_detail(robot, obstacle, **own)
+        return slow.motion, summary.quasi_static_to_json(robot, obstacle, slow)
+    motion = find_planner(name)(robot, obstacle)
+    return motion, summary.motion_to_json(robot, obstacle, motion)

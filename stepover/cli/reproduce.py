@@ -6,27 +6,29 @@ from collections import Counter
 
 import click
 
+from stepover.cli.commands import Command
 from stepover.cli.options import pairs
 
 
-@click.command()
+@click.command(cls=Command)
 @click.option("--only", metavar="NOTEBOOK", help="Run this notebook alone, such as stepover_15cm.")
 @click.option(
     "-p", "--parameter", "parameters", multiple=True, metavar="NAME=VALUE", callback=pairs,
     help="Change a parameter of the notebooks that know it; may be repeated. Results go to build/ then.",
 )  # fmt: skip
 def reproduce(only: str | None, parameters: dict[str, str]) -> None:
-    """Run every notebook; write every figure and claim to figures/ and the claims to README's table.
+    """Run every notebook. Write figures and claims to figures/, and the pages of both to docs/ and README.
 
-    All notebooks take about five minutes. Executed copies go to build/notebooks/. With -p figures and records go to
-    build/figures/ and the copies to build/experiment/, so that an experiment never overwrites the reference; a notebook
-    that refuses the parameters is named at the end, once the others have run.
+    All notebooks take about five minutes. Executed copies go to build/notebooks/. With -p, figures and records go to
+    build/figures/ and the copies to build/experiment/: an experiment never overwrites the reference. If a notebook
+    refuses the parameters, the others still run, and the error at the end names it.
 
     Example: python -m stepover reproduce --only stepover_15cm -p height=0.1
     """
     from stepover.locations import checkout
+    from stepover.reproduction.pages import tally
     from stepover.reproduction.run import reproduce as run_notebooks
-    from stepover.reproduction.verdicts import read_entries, tally
+    from stepover.reproduction.verdicts import read_entries
 
     top = checkout()
     written = run_notebooks(top, only, parameters)

@@ -10,16 +10,17 @@ from typing import TYPE_CHECKING
 
 import click
 
-from stepover.cli.commands import NOT_CROSSED, complain, progress
+from stepover.cli.commands import NOT_CROSSED, Command, complain, progress
 from stepover.cli.options import as_json, motion_file, new_file, pairs, physics, robot_file
 from stepover.errors import InvalidInput
+from stepover.extras import needs
 
 if TYPE_CHECKING:
     from stepover.model.robot import Robot
     from stepover.simulation.measurements import Run
 
 
-class _Disturbed(click.Command):
+class _Disturbed(Command):
     """A command whose help ends with all disturbances."""
 
     def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
@@ -60,6 +61,9 @@ def simulate(
     from stepover.robots.loading import load_robot
     from stepover.simulation.run import simulate as run_simulation
 
+    if video is not None:
+        from stepover.simulation.pybullet.video import record  # before the run: what it lacks is said at once
+
     disturbances = {name: _number(name, text) for name, text in perturb.items()} or None
     planned = Motion.load(motion)
     model = load_robot(robot or planned.robot)
@@ -67,8 +71,6 @@ def simulate(
         planned, actuators=actuators, sole=sole, stabilizer=stabilizer, perturb=disturbances, robot=model
     )
     if video is not None:
-        from stepover.simulation.pybullet.video import record
-
         with progress("filming") as advance:
             record(run, video, robot=model, progress=advance)
     click.echo(summary.as_line(run.to_json()) if as_json else summary.run_summary(run))
@@ -88,8 +90,11 @@ def _number(name: str, text: str) -> float:
 
 def plot_failure(run: Run, beside: Path, robot: Robot) -> str:
     """Plot the second before the failure beside a file, or in build/; say where."""
-    from stepover.report import figures
-
+    try:
+        with needs("a plot of the second before it"):
+            from stepover.report import figures
+    except InvalidInput as error:
+        return str(error)
     folder = beside.parent
     if not os.access(folder, os.W_OK):
         folder = Path("build")

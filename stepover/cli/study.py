@@ -6,12 +6,12 @@ from pathlib import Path
 
 import click
 
-from stepover.cli.commands import goes_on, one_thread_a_process
+from stepover.cli.commands import Command, goes_on, one_thread_a_process
 from stepover.cli.options import as_json, new_file, physics, robot_file
 from stepover.errors import InvalidInput
 
 
-@click.command()
+@click.command(cls=Command)
 @click.argument("motion", metavar="[MOTION.npz]", required=False)
 @click.option("--height", type=float, help="Instead of a motion: height of the bare obstacle to plan for [m].")
 @click.option("--width", type=float, help="Its width, along the way [m].")
@@ -49,8 +49,8 @@ def study(
     to 1 degree ahead and to the side; 5 % more or less mass on the chest, whose CoM is up to 10 mm off; the obstacle up
     to 20 mm nearer or farther; one push of up to 80 N for 0.1 s at any time in any direction; readings 5 to 10 ms old.
 
-    Finished simulations are kept beside the output in a .part file. Where the study was interrupted or killed, or
-    --runs has grown, the same command goes on from there. The table does not depend on interruptions or --jobs.
+    Until the table is written, finished simulations are kept beside it in a .part file. After an interruption the same
+    command goes on from there, also with more --runs. The table does not depend on interruptions or --jobs.
     Its columns are named as the disturbances of simulate --perturb, to look at one draw alone.
 
     Example: python -m stepover study motion.npz --runs 50 --output table.csv --picture table.png
@@ -59,6 +59,9 @@ def study(
     from stepover.motion.motion import Motion
     from stepover.report import summary
     from stepover.studies import robustness, success_rates
+
+    if picture is not None:
+        from stepover.report import figures  # before the work: what it lacks is said at once
 
     if motion is not None and (height is not None or width is not None):
         raise InvalidInput("give either a motion or --height and --width, not both")
@@ -77,8 +80,6 @@ def study(
         )  # fmt: skip
     rows = robustness.read_table(output)
     if picture is not None:
-        from stepover.report import figures
-
         figures.save(figures.robustness(rows), picture)
     if as_json:
         click.echo(summary.as_line(success_rates.study_to_json(rows)))

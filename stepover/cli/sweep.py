@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from stepover.cli.commands import goes_on, one_thread_a_process
+from stepover.cli.commands import Command, goes_on, one_thread_a_process
 from stepover.cli.options import as_json, margins, new_file, planner_choices
 from stepover.errors import InvalidInput
 
@@ -17,7 +17,7 @@ def _anywhere(context: click.Context, parameter: click.Parameter, value: str) ->
     return str(Path(value).resolve()) if Path(value).suffix == ".toml" else value
 
 
-@click.command()
+@click.command(cls=Command)
 @click.argument("obstacles", metavar="[OBSTACLES.csv]", required=False)
 @click.option(
     "--heights", metavar="FIRST:LAST:STEP", help="Instead of a list: heights of a grid [m]; or a few, as 0.1,0.15."
@@ -47,8 +47,8 @@ def sweep(
     whether there is a plan and if not why, its key configuration, clearance, ZMP margin, joint speed, the hash of its
     motion, and whether the simulated robot crossed. Obstacles that cannot be crossed are rows as well, not errors.
 
-    Finished obstacles are kept beside the output in a .part file. Where the sweep was interrupted or killed, or the
-    grid has grown, the same command goes on from there. The table depends neither on that nor on who did the work.
+    Until the table is written, finished obstacles are kept beside it in a .part file. After an interruption the same
+    command goes on from there, also with a larger grid. The table depends neither on that nor on who did the work.
 
     With --dask the workers of that cluster need this very stepover. Such a cluster on one machine: 'dask scheduler',
     then 'dask worker tcp://127.0.0.1:8786 --nworkers -1 --nthreads 1'.

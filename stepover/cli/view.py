@@ -6,10 +6,11 @@ from pathlib import Path
 
 import click
 
+from stepover.cli.commands import Command
 from stepover.cli.options import motion_file, new_file, robot_file
 
 
-@click.command()
+@click.command(cls=Command)
 @motion_file
 @new_file("--output", "Where the page goes", ".html", required=True)
 @click.option("--time", type=float, help="Moment shown before it is played [s]; default: the first.")

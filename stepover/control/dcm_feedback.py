@@ -20,8 +20,8 @@ from stepover.motion.motion import Motion
 
 
 @dataclass(frozen=True, eq=False)
-class Wish:
-    """What the feedback asks for at one sample.
+class DesiredZmp:
+    """The ZMP that the feedback asks for at one sample.
 
     Attributes:
         zmp: (2,) desired, inside the support region [m].
@@ -49,7 +49,7 @@ class DcmFeedback:
         soles = np.stack([patch(robot, side, gains.zmp_inset) for side in SIDES])
         self._low, self._high = soles.min(axis=1), soles.max(axis=1)
 
-    def wish(self, sample: int, estimate: Estimate) -> Wish:
+    def desired(self, sample: int, estimate: Estimate) -> DesiredZmp:
         """One period: what the ZMP should be.
 
         Args:
@@ -64,7 +64,7 @@ class DcmFeedback:
         moved = (soles - planned.soles[sample, :, :2])[standing].mean(axis=0)  # the feet may stand elsewhere
         zmp = self._regions[sample].nearest(asked - moved) + moved
         self.integral.add(error, asked - zmp)
-        return Wish(zmp, asked - zmp, self._share(zmp, soles, standing))
+        return DesiredZmp(zmp, asked - zmp, self._share(zmp, soles, standing))
 
     def _share(self, zmp: np.ndarray, soles: np.ndarray, standing: list[int]) -> Distribution:
         """Between both feet, or all for the one that stands."""

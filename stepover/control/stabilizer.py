@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from stepover.control.dcm_feedback import DcmFeedback, Wish
+from stepover.control.dcm_feedback import DcmFeedback
 from stepover.control.estimator import Estimate, Estimator
 from stepover.control.feet_control import FeetControl
 from stepover.control.floor import Floor
@@ -16,6 +16,7 @@ from stepover.control.leg_commands import LegCommands
 from stepover.control.reference import reference
 from stepover.control.sensors import Sensed
 from stepover.control.waist_control import WaistControl
+from stepover.model.parameters.planning import samples
 from stepover.model.robot import Robot
 from stepover.motion.motion import Motion
 
@@ -25,7 +26,6 @@ class Stabilizer:
 
     Attributes:
         estimate: of the last call, or None.
-        wish: of the last call, or None.
         floor: what is known of it.
     """
 
@@ -39,7 +39,7 @@ class Stabilizer:
         """
         planned = reference(robot, motion)
         give = 1.0 / robot.sole.vertical_stiffness if rubber else 0.0
-        self._age = robot.stabilizer.age
+        self._age = samples(robot.stabilizer.age, motion.dt)
         self._estimator = Estimator(robot, planned, give)
         self._feedback = DcmFeedback(robot, motion, planned)
         self._feet = FeetControl(robot, planned, rubber)
@@ -47,7 +47,6 @@ class Stabilizer:
         self._waist = WaistControl(robot, planned)
         self._legs = LegCommands(robot, planned)
         self.estimate: Estimate | None = None
-        self.wish: Wish | None = None
 
     def command(self, sample: int, sensed: Sensed) -> np.ndarray:
         """Joint angles (nq - 7,) [rad] for one sample.
@@ -58,10 +57,10 @@ class Stabilizer:
         """
         then = max(sample - self._age, 0)
         self.estimate = self._estimator.update(then, sensed)
-        self.wish = self._feedback.wish(then, self.estimate)
+        desired = self._feedback.desired(then, self.estimate)
         self.floor.look(then, self.estimate)
-        self._feet.give_way(sample, then, self.estimate, self.wish.shared)
+        self._feet.give_way(sample, then, self.estimate, desired.shared)
         rise = float(self.estimate.weights @ self.floor.rises(then))
-        waists = self._waist.move(sample, then, self.estimate, self.wish.zmp, rise)
+        waists = self._waist.move(sample, then, self.estimate, desired.zmp, rise)
         heights = self._feet.heights + self.floor.rises(sample)
         return self._legs.command(sample, waists, self._feet.turns, heights, self.floor.slope)

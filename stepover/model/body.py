@@ -15,9 +15,9 @@ import pinocchio as pin
 
 from stepover.errors import InvalidInput
 from stepover.model import pose
-from stepover.model.description import Description
+from stepover.model.description.links import Description
+from stepover.model.description.urdf_text import urdf_text
 from stepover.model.kinematics import Joint, Placements, place_joints
-from stepover.model.urdf_text import urdf_text
 
 
 class Body:

@@ -25,9 +25,11 @@ class Obstacle:
         margin_height: s_h [m], above it.
         margin_width: s_w [m], before it and again behind it.
         distance: front face from the point between the ankles at the start [m]; None: where the nominal steps lead.
+        yaw: how far the beam is turned to the left, about the point where the path meets its front face [rad].
 
     Raises:
-        InvalidInput: a value that is not a finite number, or not positive (margins and distance: negative).
+        InvalidInput: a value that is not a finite number; a height, width or distance that is not positive; a negative
+            margin; a yaw that does not lie between -pi/2 and pi/2.
     """
 
     height: float
@@ -35,6 +37,7 @@ class Obstacle:
     margin_height: float = 0.03
     margin_width: float = 0.03
     distance: float | None = None
+    yaw: float = 0.0
 
     def __post_init__(self) -> None:
         """Refuse what is no obstacle."""
@@ -42,6 +45,7 @@ class Obstacle:
             _require_length(name, getattr(self, name), positive)
         if self.distance is not None:
             _require_length("distance", self.distance, positive=True)
+        _require_yaw(self.yaw)
 
     @property
     def safe_height(self) -> float:
@@ -54,7 +58,7 @@ class Obstacle:
         return self.width + 2.0 * self.margin_width
 
     def profile(self, front: float, margins: bool) -> np.ndarray:
-        """Rectangle that must stay free, with the front face at x = front.
+        """Rectangle that must stay free, with the front face at x = front, in the frame of an obstacle that is turned.
 
         Args:
             front: x of the bare obstacle's front face [m].
@@ -84,3 +88,13 @@ def _require_length(name: str, value: float, positive: bool) -> None:
         good = False
     if not good:
         raise InvalidInput(f"obstacle {name} = {value!r} must be {kind} finite number of metres")
+
+
+def _require_yaw(yaw: float) -> None:
+    """Refuse an angle that is not a number, or with which the beam would lie along the path."""
+    try:
+        good = abs(yaw) < np.pi / 2.0
+    except TypeError:
+        good = False
+    if not good:
+        raise InvalidInput(f"obstacle yaw = {yaw!r} must be an angle between -pi/2 and pi/2 rad")

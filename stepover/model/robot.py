@@ -1,9 +1,10 @@
-"""A robot: a URDF and a robot.toml beside it that says what the URDF cannot. Sec. III."""
+"""A robot: its URDF, the facts that a URDF cannot say, and the parameters that it is planned and simulated with."""
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -12,74 +13,92 @@ import numpy as np
 
 from stepover.model.body import Body
 from stepover.model.collision import Shape, shapes_of
-from stepover.model.description import Description
-from stepover.model.legs import Leg
+from stepover.model.description.links import Description
+from stepover.model.description.urdf_text import urdf_text
+from stepover.model.legs import KNEE, Leg
+from stepover.model.parameters.facts import Foot, Legs, Outline, Posture, UpperBody
 from stepover.model.parameters.physics import Servo, Simulation, SoleRubber
 from stepover.model.parameters.planning import (
     Adaptor,
-    Beyond,
+    BeyondPaper,
+    Checks,
     Feasibility,
-    Foot,
-    Legs,
-    Outline,
-    Posture,
     Preview,
-    QuasiStatic,
     SteppingOver,
-    UpperBody,
-    Verdict,
     Walk,
 )
+from stepover.model.parameters.quasi_static import QuasiStatic
+from stepover.model.parameters.scaling import Size
 from stepover.model.parameters.stabilizer import Stabilization
+
+FACTS = ("root", "legs", "foot", "outline", "posture", "upper_body")
+"""What a motion is planned for, beside URDF and meshes."""
 
 
 @dataclass(frozen=True, eq=False)
 class Robot:
-    """Everything that the planner and the simulation know of a robot.
+    """Everything that the planner and the simulation know of a robot: facts, and parameters with HRP-2's as defaults.
 
     Attributes:
         name: as it goes into a motion.
         urdf_path: where its URDF is.
-        description: what was read of it.
+        body: the multi-body model that the URDF describes.
         root: name of the root link, the waist.
-        legs, foot, outline, posture, upper_body, walk, feasibility, stepping_over, preview, adaptor, beyond_paper,
-            verdict, quasi_static, simulation, servo, sole, stabilizer: the tables of robot.toml, each a dataclass of
-            model.parameters or, the last four, of model.physics_parameters and model.control_parameters.
-        slow: those of them that differ where the joints' speed limits are to be kept.
+        legs, foot, outline, posture, upper_body: what the URDF cannot say.
+        walk, feasibility, stepping_over, preview, adaptor, beyond_paper, checks, quasi_static: parameters of planners.
+        simulation, servo, sole, stabilizer: parameters of the physics and of the stabilizer.
+        slow: the tables that are others where the joints' speed limits are to be kept.
     """
 
     name: str
     urdf_path: Path
-    description: Description
+    body: Body = field(repr=False)
     root: str
     legs: Legs
     foot: Foot
     outline: Outline
     posture: Posture
     upper_body: UpperBody
-    walk: Walk
-    feasibility: Feasibility
-    stepping_over: SteppingOver
-    preview: Preview
-    adaptor: Adaptor
-    beyond_paper: Beyond
-    verdict: Verdict
-    quasi_static: QuasiStatic
-    simulation: Simulation
-    servo: Servo
-    sole: SoleRubber
-    stabilizer: Stabilization
-    slow: Mapping[str, Any]
+    walk: Walk = field(default_factory=Walk)
+    feasibility: Feasibility = field(default_factory=Feasibility)
+    stepping_over: SteppingOver = field(default_factory=SteppingOver)
+    preview: Preview = field(default_factory=Preview)
+    adaptor: Adaptor = field(default_factory=Adaptor)
+    beyond_paper: BeyondPaper = field(default_factory=BeyondPaper)
+    checks: Checks = field(default_factory=Checks)
+    quasi_static: QuasiStatic = field(default_factory=QuasiStatic)
+    simulation: Simulation = field(default_factory=Simulation)
+    servo: Servo = field(default_factory=Servo)
+    sole: SoleRubber = field(default_factory=SoleRubber)
+    stabilizer: Stabilization = field(default_factory=Stabilization)
+    slow: Mapping[str, Any] = field(default_factory=dict)
 
     @cached_property
-    def body(self) -> Body:
-        """The multi-body model."""
-        return Body(self.description)
+    def description(self) -> Description:
+        """Links, joints and shapes, as they were read."""
+        return self.body.description
+
+    @cached_property
+    def fingerprint(self) -> str:
+        """What the robot is, whatever its name: 16 digits of SHA-256 over links, joints, shapes and facts."""
+        found = hashlib.sha256(urdf_text(replace(self.description, name="")).encode())
+        for link in self.description.links:
+            for solid in link.solids:
+                place = solid.place.rotation.tobytes() + solid.place.translation.tobytes()
+                found.update(link.name.encode() + b"\0" + place + solid.corners.tobytes())
+        found.update(repr([getattr(self, name) for name in FACTS]).encode())
+        return found.hexdigest()[:16]
 
     @cached_property
     def shapes(self) -> list[Shape]:
         """Convex collision shapes of all links."""
         return shapes_of(self.body)
+
+    @cached_property
+    def leg_shapes(self) -> dict[int, list[int]]:
+        """Which of shapes are on the leg of a side, +1 left, -1 right: their indices."""
+        joints = {side: {self.body.index(joint) for joint in self.leg(side).joints} for side in (1, -1)}
+        return {side: [k for k, shape in enumerate(self.shapes) if shape.joint in own] for side, own in joints.items()}
 
     @cached_property
     def own_pairs(self) -> list[tuple[Shape, Shape]]:
@@ -128,6 +147,20 @@ class Robot:
         ankles = np.array([placed.positions[0, self.body.index(leg[-1])] for leg in (self.legs.left, self.legs.right)])
         q[:3] = [*-ankles.mean(axis=0)[:2], self.posture.waist_height]
         return q
+
+    @cached_property
+    def size(self) -> Size:
+        """What defaults scale with."""
+        leg, (back, front) = self.leg(1), self.foot.contact_x
+        turn = leg.meeting_axes.signs[KNEE] * leg.meeting_axes.straight if leg.meeting_axes else 0.0
+        return Size(
+            leg=leg.length,
+            toe=front,
+            heel=-back,
+            mass=self.body.mass,
+            straight_deg=float(np.degrees(np.copysign(1.0, leg.rest[KNEE]) * turn)),
+            above_hips=-float(self.body.origin(leg.joints[0])[1][2]),
+        )
 
     def rest_zmp(self) -> np.ndarray:
         """Where the ZMP rests in half-sitting (2,): under the CoM, from the midpoint of the ankles [m]."""

@@ -1,27 +1,19 @@
-"""The one value that leaves the planner: a motion, with everything a reader needs to judge it without the planner."""
+"""The one value that leaves a planner: a motion, with everything a reader needs to judge it without the planner."""
 
 from __future__ import annotations
 
-import csv
 import hashlib
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from stepover.errors import CorruptMotion, InvalidInput
+from stepover import __version__
+from stepover.errors import InvalidInput
 from stepover.model.obstacle import LATERAL_HALF_EXTENT, Obstacle
-from stepover.output import write_whole
-
-FORMAT = 1
-SHAPES: dict[str, tuple[str | int, ...]] = {
-    "time": ("N",), "q": ("N", "Q"), "joint_names": ("J",), "left_foot": ("N", 7), "right_foot": ("N", 7),
-    "waist": ("N", 7), "com": ("N", 3), "zmp_reference": ("N", 2), "zmp_first_stage": ("N", 2), "zmp": ("N", 2),
-    "support": ("N",), "phase": ("N",), "footsteps": ("K", 6), "key_configuration": (3,), "obstacle": (6,),
-    "robot": (), "format": (), "version": (),
-}  # fmt: skip
-"""Every key of a motion file with its shape: N samples, Q coordinates, J = Q - 7 joints, K steps."""
+from stepover.model.robot import Robot
+from stepover.motion import formats
+from stepover.motion.footsteps import Footsteps
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,15 +28,17 @@ class Motion:
         waist: (N, 7) pose of the root body.
         com: (N, 3) centre of mass of the multi-body model [m].
         zmp_reference: (N, 2) desired ZMP [m].
-        zmp_first_stage, zmp: (N, 2) multi-body ZMP before and after the dynamic filter [m].
+        zmp: (N, 2) multi-body ZMP [m].
         support: (N,) 0 double, +1 left foot only, -1 right foot only.
-        phase: (N,) 0 walking, 1, 2, 3 the phases of Sec. II.
-        footsteps: (K, 6) touch-down time, side (+1 left), x, y, yaw, kind
-            (0 normal, 1 before, 2 leg 1, 3 leg 2, 4 after).
-        key_configuration: (3,) X_ads, X_hds, Z_hds [m].
-        obstacle: (6,) front face x, width, height, margin_width, margin_height, lateral half extent [m].
+        phase: (N,) 0 walking, 1, 2, 3 the phases of Sec. II; all 0 where the planner has none.
+        footsteps: where the feet come down and when.
+        obstacles: (M, 7) front face x, width, height, margin_width, margin_height, lateral half extent [m], yaw [rad].
         robot: its name, or the path of its robot.toml.
-        format, version: of the file, of stepover.
+        robot_fingerprint: Robot.fingerprint of the robot that it was planned for; "" where that is not known.
+        planner: name of the planner; "" where that is not known.
+        zmp_first_stage: (N, 2) multi-body ZMP before the dynamic filter [m]; None where the planner has none.
+        key_configuration: (3,) X_ads, X_hds, Z_hds [m]; None where the planner has none.
+        version: of stepover, when it was planned.
     """
 
     time: np.ndarray
@@ -55,16 +49,17 @@ class Motion:
     waist: np.ndarray
     com: np.ndarray
     zmp_reference: np.ndarray
-    zmp_first_stage: np.ndarray
     zmp: np.ndarray
     support: np.ndarray
     phase: np.ndarray
-    footsteps: np.ndarray
-    key_configuration: np.ndarray
-    obstacle: np.ndarray
+    footsteps: Footsteps
+    obstacles: np.ndarray
     robot: str
-    format: int
-    version: str
+    robot_fingerprint: str = ""
+    planner: str = ""
+    zmp_first_stage: np.ndarray | None = None
+    key_configuration: np.ndarray | None = None
+    version: str = __version__
 
     @property
     def dt(self) -> float:
@@ -72,18 +67,38 @@ class Motion:
         return float(self.time[-1] - self.time[0]) / (len(self.time) - 1)
 
     @property
+    def obstacle(self) -> np.ndarray:
+        """The first obstacle (6,): a row of `obstacles` without its yaw [m]."""
+        return self.obstacles[0, :6]
+
+    @property
     def bare_obstacle(self) -> np.ndarray:
-        """Rectangle (4,) x_min, x_max, z_min, z_max of the obstacle without margins [m]."""
-        front, width, height = self.obstacle[:3]
-        return Obstacle(height, width).profile(front, margins=False)
+        """Rectangle (4,) x_min, x_max, z_min, z_max of the first obstacle without margins [m]."""
+        return self.profile(0, margins=False)
+
+    def profile(self, number: int, margins: bool) -> np.ndarray:
+        """Rectangle (4,) x_min, x_max, z_min, z_max of an obstacle, from 0, in its own frame [m]."""
+        front, width, height, beside, above = self.obstacles[number, :5]
+        return Obstacle(height, width, above, beside).profile(front, margins)
+
+    @property
+    def has_phases(self) -> bool:
+        """Whether the planner says which samples belong to the phases of Sec. II."""
+        return bool(np.any(self.phase))
 
     def foot(self, side: int) -> np.ndarray:
         """Sole poses (N, 7) of a side: +1 left, -1 right."""
         return self.left_foot if side > 0 else self.right_foot
 
     def samples(self, phase: int) -> slice:
-        """Samples of a phase of Sec. II: 1, 2 or 3."""
+        """Samples of a phase of Sec. II: 1, 2 or 3.
+
+        Raises:
+            InvalidInput: the motion has no such phase.
+        """
         inside = np.flatnonzero(self.phase == phase)
+        if len(inside) == 0:
+            raise InvalidInput(f"the motion has no phase {phase}: its planner does not know the phases of Sec. II")
         return slice(int(inside[0]), int(inside[-1]) + 1)
 
     def hash(self) -> str:
@@ -91,14 +106,36 @@ class Motion:
         rounded = np.round(self.q * 1e6).astype(np.int64) + 0
         return hashlib.sha256(rounded.tobytes()).hexdigest()
 
+    def require_robot(self, robot: Robot) -> None:
+        """Refuse a robot that the motion was not planned for.
+
+        Raises:
+            InvalidInput: its joints are others, or its fingerprint is another.
+        """
+        if list(self.joint_names) != robot.body.joint_names:
+            raise InvalidInput(f"the motion is for {self.robot!r}: its joints are not those of {robot.name!r}")
+        if self.robot_fingerprint and self.robot_fingerprint != robot.fingerprint:
+            raise InvalidInput(
+                f"the motion was planned for another robot than this {robot.name!r}: the fingerprint of URDF, meshes "
+                f"and facts is {self.robot_fingerprint} there and {robot.fingerprint} here; give the robot.toml that "
+                "it was planned with, or plan it again"
+            )
+
+    def export(self, path: str | Path, format: str) -> None:
+        """Write the motion in one of the formats of `motion/formats`, such as "csv".
+
+        Raises:
+            InvalidInput: there is no such format, or the folder does not exist or cannot be written to.
+        """
+        formats.find(format).export(self, Path(path))
+
     def save(self, path: str | Path) -> None:
         """Write an npz file that numpy alone can read.
 
         Raises:
             InvalidInput: the folder does not exist or cannot be written to.
         """
-        arrays = {field.name: np.asarray(getattr(self, field.name)) for field in fields(self)}
-        write_whole(Path(path), lambda file: np.savez_compressed(file, **arrays))  # type: ignore[arg-type]
+        self.export(path, "npz")
 
     def save_csv(self, path: str | Path) -> None:
         """Write time, waist, CoM, ZMPs, feet and joints as a table, one sample a row.
@@ -106,80 +143,21 @@ class Motion:
         Raises:
             InvalidInput: the folder does not exist or cannot be written to.
         """
-        axes = ["x", "y", "z", "qx", "qy", "qz", "qw"]
-        parts = [("waist", 7), ("com", 3), ("zmp_reference", 2), ("zmp", 2), ("left_foot", 7), ("right_foot", 7)]
-        header = ["time", *(f"{name}_{axis}" for name, n in parts for axis in axes[:n]), *self.joint_names]
-        table = np.column_stack([self.time, *(getattr(self, name) for name, _ in parts), self.q[:, 7:]])
-
-        def write(file: Any) -> None:
-            lines = csv.writer(_Text(file))
-            lines.writerow(header)
-            lines.writerows([f"{value:.9g}" for value in row] for row in table)
-
-        write_whole(Path(path), write)
+        self.export(path, "csv")
 
     @staticmethod
     def load(path: str | Path) -> Motion:
-        """Read a motion file.
+        """Read a motion file, of format 1 or 2.
 
         Raises:
             InvalidInput: no such file.
             CorruptMotion: it is cut short, not a motion, lacks a key, or contradicts itself.
         """
-        if not Path(path).is_file():
-            raise InvalidInput(f"{path}: no such file; 'python -m stepover plan' writes one")
-        try:
-            with np.load(path, allow_pickle=False) as archive:
-                arrays = {key: archive[key] for key in archive.files}
-        except Exception as error:  # whatever numpy, zip and zlib make of arbitrary bytes
-            raise CorruptMotion(f"{path} is not a whole motion file ({type(error).__name__}); plan it anew") from error
-        try:
-            _check(arrays)
-        except CorruptMotion as error:
-            raise CorruptMotion(f"{path}: {error}") from None
-        scalars = {"robot": str(arrays["robot"]), "format": int(arrays["format"]), "version": str(arrays["version"])}
-        return Motion(**{key: arrays[key] for key in SHAPES if key not in scalars}, **scalars)  # type: ignore[arg-type]
-
-
-class _Text:
-    """A binary file as csv wants it."""
-
-    def __init__(self, file: Any) -> None:
-        self.write = lambda text: file.write(text.encode())
-
-
-def _check(arrays: dict[str, np.ndarray]) -> None:
-    """Refuse what lacks a key, has a wrong shape or a value that is not finite, or contradicts itself."""
-    missing = [key for key in SHAPES if key not in arrays]
-    if missing:
-        raise CorruptMotion(f"lacks {', '.join(missing)}")
-    sizes: dict[str, int] = {}
-    for key, shape in SHAPES.items():
-        actual = arrays[key].shape
-        bound = [sizes.setdefault(n, size) if isinstance(n, str) else n for n, size in zip(shape, actual, strict=False)]
-        if len(actual) != len(shape) or tuple(bound) != actual:
-            raise CorruptMotion(f"{key} has the shape {actual}, expected {shape}")
-        if arrays[key].dtype.kind not in ("U" if key in ("joint_names", "robot", "version") else "iuf"):
-            raise CorruptMotion(f"{key} has the type {arrays[key].dtype}")
-        if arrays[key].dtype.kind == "f" and not np.isfinite(arrays[key]).all():
-            raise CorruptMotion(f"{key} holds values that are not finite")
-    if int(arrays["format"]) != FORMAT:
-        raise CorruptMotion(f"has format {arrays['format']}, this version reads {FORMAT}")
-    if sizes["Q"] != sizes["J"] + 7:
-        raise CorruptMotion(f"q has {sizes['Q']} columns for {sizes['J']} joints")
-    steps = np.diff(arrays["time"])
-    if len(steps) < 2 or steps.min() <= 0.0 or np.ptp(steps) > 1e-6:
-        raise CorruptMotion("time is not uniform")
-    for key in ("waist", "left_foot", "right_foot"):
-        if np.abs(np.linalg.norm(arrays[key][:, 3:], axis=1) - 1.0).max() > 1e-6:
-            raise CorruptMotion(f"{key} holds quaternions that have no unit length")
-    if np.abs(arrays["q"][:, :3] - arrays["waist"][:, :3]).max() > 1e-4:
-        raise CorruptMotion("waist and q disagree")
-    if not (arrays["obstacle"][1:3] > 0.0).all():
-        raise CorruptMotion("the obstacle has no positive width and height")
+        motion: Motion = formats.find("npz").load(Path(path))
+        return motion
 
 
 def obstacle_row(obstacle: Obstacle, front_face: float) -> np.ndarray:
-    """The six numbers (6,) of an obstacle as stored in a motion."""
+    """The seven numbers (7,) of an obstacle as stored in a motion."""
     sizes = [obstacle.width, obstacle.height, obstacle.margin_width, obstacle.margin_height]
-    return np.array([front_face, *sizes, LATERAL_HALF_EXTENT])
+    return np.array([front_face, *sizes, LATERAL_HALF_EXTENT, obstacle.yaw])

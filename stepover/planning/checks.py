@@ -1,16 +1,17 @@
-"""Is a motion what was asked for? Measures of a finished motion, and the refusal of one that breaks a limit."""
+"""Is a motion what was asked for? Measures of a finished motion of any planner, and the limits that it must keep."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from stepover.errors import Infeasible
-from stepover.model.collision import clearance, least_separation
+from stepover.model.collision import Clearance, clearance, least_separation
 from stepover.model.gravity import GRAVITY
 from stepover.model.kinematics import Placements
-from stepover.model.obstacle import Obstacle
+from stepover.model.parameters.planning import samples
 from stepover.model.robot import Robot
 from stepover.model.self_collision import self_clearance
 from stepover.model.support import zmp_margin
@@ -22,23 +23,24 @@ class Measures:
     """What a motion comes to, in SI units: most of what `plan --json` prints.
 
     Attributes:
-        duration, step_over_duration: whole motion; lift-off of leg 1 to touch-down of leg 2 [s].
+        duration, step_over_duration: whole motion; lift-off of leg 1 to touch-down of leg 2, NaN without phases [s].
         samples: number of samples.
-        zmp_rms_first_stage, zmp_rms: multi-body ZMP against its reference before and after the filter, x, y [m].
+        zmp_rms_first_stage, zmp_rms: multi-body ZMP against its reference before and after the filter, x, y [m]; the
+            first is None where the planner has no filter.
         zmp_error_max: largest single error after the filter, x, y [m].
         zmp_margin_min: smallest distance of the ZMP from the edge of the support polygon [m].
-        clearance_min, clearance_link, clearance_time: smallest signed distance from the bare obstacle [m].
+        clearance_min, clearance_link, clearance_time: smallest signed distance from the bare obstacles [m].
         joint_margin_min, joint_margin_joint: smallest distance of a joint that moves to its limit [rad]; one that
             stands still at its limit, as a finger may, counts only beyond it.
         joint_speed_ratio_max, joint_speed_joint: largest joint speed over its limit.
-        com_travel_double_support: way of the CoM in the double support over the obstacle, x [m].
+        com_travel_double_support: way of the CoM in the double support over the obstacle, x, NaN without phases [m].
         com_acceleration_ratio_max: largest vertical acceleration of the CoM over g.
     """
 
     duration: float
     step_over_duration: float
     samples: int
-    zmp_rms_first_stage: list[float]
+    zmp_rms_first_stage: list[float] | None
     zmp_rms: list[float]
     zmp_error_max: list[float]
     zmp_margin_min: float
@@ -56,19 +58,19 @@ class Measures:
 def measure(robot: Robot, motion: Motion) -> Measures:
     """Measure a motion from its own arrays."""
     body, dt = robot.body, motion.dt
-    error, first_error = motion.zmp - motion.zmp_reference, motion.zmp_first_stage - motion.zmp_reference
-    nearest = clearance(robot.shapes, body.placements(motion.q), motion.bare_obstacle)
+    error, first = motion.zmp - motion.zmp_reference, motion.zmp_first_stage
+    nearest = _nearest(robot, motion, body.placements(motion.q))
     angles = motion.q[:, 7:]
     limits = np.minimum(angles - body.lower, body.upper - angles)
     telling = (np.ptp(angles, axis=0) > 0.0) | (limits.min(axis=0) < 0.0)
     tightest = np.unravel_index(np.where(telling, limits, np.inf).argmin(), limits.shape)
     fastest = speed_ratio(robot, motion)
-    first, over, second = (motion.samples(phase) for phase in (1, 2, 3))
+    step_over_duration, com_travel = _over_the_obstacle(motion)
     return Measures(
         duration=float(motion.time[-1] - motion.time[0]),
-        step_over_duration=(second.stop - first.start) * dt,
+        step_over_duration=step_over_duration,
         samples=len(motion.time),
-        zmp_rms_first_stage=_rms(first_error),
+        zmp_rms_first_stage=None if first is None else _rms(first - motion.zmp_reference),
         zmp_rms=_rms(error),
         zmp_error_max=np.abs(error).max(axis=0).tolist(),
         zmp_margin_min=float(zmp_margin(robot, motion.zmp, motion.support, motion.left_foot, motion.right_foot).min()),
@@ -79,7 +81,7 @@ def measure(robot: Robot, motion: Motion) -> Measures:
         joint_margin_joint=body.joint_names[tightest[1]],
         joint_speed_ratio_max=fastest[0],
         joint_speed_joint=fastest[1],
-        com_travel_double_support=float(motion.com[over.stop, 0] - motion.com[over.start, 0]),
+        com_travel_double_support=com_travel,
         com_acceleration_ratio_max=float(np.abs(np.diff(motion.com[:, 2], 2)).max() / dt**2 / GRAVITY),
     )
 
@@ -91,64 +93,156 @@ def speed_ratio(robot: Robot, motion: Motion) -> tuple[float, str, float]:
     return float(speeds[sample, joint]), robot.body.joint_names[joint], float(motion.time[sample])
 
 
+@dataclass(frozen=True)
+class Finding:
+    """How near a motion comes to one limit.
+
+    Attributes:
+        check: what is looked at, such as "joint limits".
+        part: the joint, the links or the point that comes nearest to the limit.
+        margin: how far the value stays on the right side of the limit; negative where it breaks it. Rad, m or, of
+            speeds, a share of the limit.
+        limit: what the value must not fall below; a joint speed must not rise above it.
+        unit: "rad", "m" or "1".
+        time: when it comes nearest [s].
+        kept: whether the limit is kept.
+        refusal: what is wrong, in one line, where it is not kept.
+    """
+
+    check: str
+    part: str
+    margin: float
+    limit: float
+    unit: str
+    time: float
+    kept: bool
+    refusal: str
+
+    @property
+    def value(self) -> float:
+        """What is measured: limit and margin together, in their unit."""
+        return self.limit - self.margin if self.unit == "1" else self.limit + self.margin
+
+
+def check(robot: Robot, motion: Motion) -> list[Finding]:
+    """Everything that is checked of a finished motion, whether it is kept or not.
+
+    Distances from obstacles are lower bounds; within the margins they are exact.
+    """
+    return [*_must_keep(robot, motion), _joint_speeds(robot, motion)]
+
+
+def require(robot: Robot, motion: Motion, placements: Placements | None = None) -> None:
+    """Refuse a motion that breaks a limit. The speed limits are another matter: require_speeds.
+
+    Args:
+        robot: the robot.
+        motion: the motion of any planner; its obstacles say with which margins they must stay free.
+        placements: of its configurations, where they are at hand already.
+
+    Raises:
+        Infeasible: names the joint, link or ZMP, by how much and when.
+    """
+    for found in _must_keep(robot, motion, placements, up_to=0.0):
+        _refuse(found)
+
+
 def require_speeds(robot: Robot, motion: Motion) -> None:
     """Refuse a motion in which a joint exceeds its speed limit.
 
     Raises:
         Infeasible: names the joint that moves fastest for its limit, its share of it and when.
     """
-    ratio, joint, when = speed_ratio(robot, motion)
-    if ratio > 1.0:
-        raise Infeasible(f"{joint} moves at {ratio:.2f} of its speed limit at t = {when:.3f} s")
+    _refuse(_joint_speeds(robot, motion))
 
 
-def require(robot: Robot, obstacle: Obstacle, motion: Motion, placements: Placements | None = None) -> None:
-    """Refuse a motion that breaks a limit.
+def _refuse(found: Finding) -> None:
+    """Raise Infeasible for a limit that is not kept."""
+    if not found.kept:
+        measured = found.unit == "m" and found.check != SELF_COLLISION
+        raise Infeasible(found.refusal, short=-found.margin if measured else np.inf)
 
-    Args:
-        robot: the robot.
-        obstacle: what the motion must leave free, with its margins.
-        motion: the motion.
-        placements: of its configurations, where they are at hand already.
 
-    Raises:
-        Infeasible: names the joint, link or ZMP, by how much and when.
-    """
-    body, angles = robot.body, motion.q[:, 7:]
+SELF_COLLISION = "self-collision"
+
+
+def _must_keep(
+    robot: Robot, motion: Motion, placements: Placements | None = None, up_to: float = np.inf
+) -> Iterator[Finding]:
+    """The limits that every motion must keep, cheap ones first; distances above up_to [m] are not told apart."""
+    body, kept, angles = robot.body, robot.checks, motion.q[:, 7:]
     limits = np.minimum(angles - body.lower, body.upper - angles)
-    _refuse(motion, limits, body.joint_names, "degrees", "beyond its limit")
-    knees = [body.column(knee) - 7 for knee in robot.legs.knee]
-    bent = np.abs(angles[:, knees]) - np.radians(robot.verdict.knee_margin_deg)
-    wanted = f"nearer to straight than {robot.verdict.knee_margin_deg:g}"
-    _refuse(motion, bent, list(robot.legs.knee), "degrees", wanted)
-    margin = zmp_margin(robot, motion.zmp, motion.support, motion.left_foot, motion.right_foot)
-    missing = margin[:, None] - robot.verdict.zmp_margin
-    _refuse(motion, missing, ["the ZMP"], "mm", "short of its margin to the support polygon's edge")
+    yield _least(motion, "joint limits", limits, body.joint_names, "beyond its limit")
+    knees, straight = [body.column(knee) - 7 for knee in robot.legs.knee], float(np.radians(kept.knee_margin_deg))
+    bent, wanted = np.abs(angles[:, knees]) - straight, f"nearer to straight than {kept.knee_margin_deg:g}"
+    yield _least(motion, "knees", bent, list(robot.legs.knee), wanted, straight)
+    inside = zmp_margin(robot, motion.zmp, motion.support, motion.left_foot, motion.right_foot) - kept.zmp_margin
+    short = "short of its margin to the support polygon's edge"
+    yield _least(motion, "ZMP", inside[:, None], ["the ZMP"], short, kept.zmp_margin, "m")
     placements = placements or body.placements(motion.q)
-    every = robot.verdict.self_look_every
-    distance, one, other, sample = self_clearance(robot.own_pairs, placements, every, up_to=0.0)
-    if distance <= 0.0:
-        raise Infeasible(f"{one} and {other} meet, {-1e3 * distance:.1f} mm deep, at t = {motion.time[sample]:.3f} s")
-    safe = obstacle.profile(float(motion.obstacle[0]), margins=True)
-    free, which = least_separation(robot.shapes, placements, safe, up_to=0.0)
-    link = robot.shapes[which[free.argmin()]].link
-    _refuse(motion, free[:, None], [link], "mm", "inside the obstacle's safety margin")
+    apart, one, other, sample = self_clearance(
+        robot.own_pairs, placements, samples(kept.self_look_every, motion.dt), up_to
+    )
+    time = float(motion.time[sample])
+    meet = f"{one} and {other} meet, {-1e3 * apart:.1f} mm deep, at t = {time:.3f} s"
+    yield Finding(SELF_COLLISION, f"{one} and {other}", apart, 0.0, "m", time, apart > 0.0, meet)
+    for number in range(len(motion.obstacles)):
+        seen, safe = _seen_from(placements, motion.obstacles[number]), motion.profile(number, margins=True)
+        free, which = least_separation(robot.shapes, seen, safe, up_to)
+        link, named = robot.shapes[which[free.argmin()]].link, _named(motion, number)
+        yield _least(motion, named, free[:, None], [link], f"inside the {named}'s safety margin", 0.0, "m")
 
 
-UNITS = {"mm": 1e3, "degrees": 180.0 / np.pi}
-"""How margins in m and rad are said."""
+def _joint_speeds(robot: Robot, motion: Motion) -> Finding:
+    """The joint that moves fastest for its limit."""
+    ratio, joint, when = speed_ratio(robot, motion)
+    refusal = f"{joint} moves at {ratio:.2f} of its speed limit at t = {when:.3f} s"
+    return Finding("joint speeds", joint, 1.0 - ratio, 1.0, "1", when, ratio <= 1.0, refusal)
 
 
-def _refuse(motion: Motion, margin: np.ndarray, names: list[str], unit: str, what: str) -> None:
-    """Raise Infeasible for the most negative margin (N, len(names))."""
+def _least(
+    motion: Motion, check: str, margin: np.ndarray, parts: list[str], what: str, limit: float = 0.0, unit: str = "rad"
+) -> Finding:
+    """The finding for the smallest margin (N, len(parts)), with what is said where it is negative."""
     sample, which = np.unravel_index(margin.argmin(), margin.shape)
-    amount = -float(margin[sample, which])
-    if amount > 1e-9:
-        where = f"phase {motion.phase[sample]}" if motion.phase[sample] else "walking"
-        raise Infeasible(
-            f"{names[which]} is {amount * UNITS[unit]:.1f} {unit} {what} at t = {motion.time[sample]:.3f} s ({where})",
-            short=amount if unit == "mm" else np.inf,
-        )
+    least, time, phase = float(margin[sample, which]), float(motion.time[sample]), motion.phase[sample]
+    amount = f"{-1e3 * least:.1f} mm" if unit == "m" else f"{-least * 180.0 / np.pi:.1f} degrees"
+    where = f"phase {phase}" if phase else "walking"
+    refusal = f"{parts[which]} is {amount} {what} at t = {time:.3f} s ({where})"
+    return Finding(check, parts[which], least, limit, unit, time, least >= -1e-9, refusal)
+
+
+def _named(motion: Motion, number: int) -> str:
+    """An obstacle in words: by its number, from 1, where there are several."""
+    return "obstacle" if len(motion.obstacles) == 1 else f"obstacle {number + 1}"
+
+
+def _nearest(robot: Robot, motion: Motion, placements: Placements) -> Clearance:
+    """Smallest distance of all links from all bare obstacles."""
+    found = [
+        clearance(robot.shapes, _seen_from(placements, row), motion.profile(number, margins=False))
+        for number, row in enumerate(motion.obstacles)
+    ]
+    return min(found, key=lambda nearest: nearest.distance)
+
+
+def _seen_from(placements: Placements, row: np.ndarray) -> Placements:
+    """Placements in the frame of an obstacle (7,), which is turned about the middle of its front face."""
+    front, yaw = row[0], row[6]
+    if yaw == 0.0:
+        return placements
+    middle, c, s = np.array([front, 0.0, 0.0]), np.cos(yaw), np.sin(yaw)
+    back = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
+    return Placements(back @ placements.rotations, (placements.positions - middle) @ back.T + middle)
+
+
+def _over_the_obstacle(motion: Motion) -> tuple[float, float]:
+    """How long it takes to step over [s], and how far the CoM goes in the double support [m]; NaN without phases."""
+    if not motion.has_phases:
+        return float("nan"), float("nan")
+    first, over, second = (motion.samples(phase) for phase in (1, 2, 3))
+    travel = float(motion.com[over.stop, 0] - motion.com[over.start, 0])
+    return (second.stop - first.start) * motion.dt, travel
 
 
 def _rms(error: np.ndarray) -> list[float]:

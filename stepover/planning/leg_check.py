@@ -5,13 +5,32 @@ What FU asks of a key configuration, UBMG of the lead knee and FTA of the traili
 
 from __future__ import annotations
 
-from functools import lru_cache
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
-from stepover.model.collision import Shape, keep_free, least_separation
+from stepover.model.collision import keep_free, least_separation
 from stepover.model.robot import Robot
+from stepover.planning.trajectories import WaistAndFeet
+
+
+@dataclass(frozen=True, eq=False)
+class LegLimits:
+    """What the legs must keep at N postures, beside reach and joint limits.
+
+    Attributes:
+        rectangle: x_min, x_max, z_min, z_max (4,) or (N, 4) that must stay free [m].
+        knee_margin: how far knees must stay from straight [rad].
+    """
+
+    rectangle: np.ndarray
+    knee_margin: float
+
+    def at(self, samples: np.ndarray) -> LegLimits:
+        """The limits at some of the postures: indices or (N,) bool."""
+        same = self.rectangle.ndim == 1
+        return self if same else LegLimits(self.rectangle[samples], self.knee_margin)
 
 
 class LegCheck(NamedTuple):
@@ -21,7 +40,7 @@ class LegCheck(NamedTuple):
         reach: how far a sole is out of reach [m], 0 if none is.
         limit: smallest distance of a leg joint to its limit, or of a knee to its margin from straight [rad].
         separation: smallest signed separation of the legs from the rectangle [m].
-        shape: index into leg_shapes of the shape that has it.
+        shape: index into Robot.shapes of the shape that has it.
     """
 
     reach: np.ndarray
@@ -34,38 +53,20 @@ class LegCheck(NamedTuple):
         return (self.reach <= 0.0) & (self.limit >= 0.0) & (self.separation >= spare)
 
 
-@lru_cache(maxsize=16)
-def leg_shapes(robot: Robot) -> list[Shape]:
-    """Collision shapes of the legs' links."""
-    joints = {robot.body.index(joint) for joint in (*robot.legs.left, *robot.legs.right)}
-    return [shape for shape in robot.shapes if shape.joint in joints]
-
-
-def check_legs(
-    robot: Robot,
-    waist: np.ndarray,
-    left: np.ndarray,
-    right: np.ndarray,
-    rectangle: np.ndarray,
-    knee_margin: float,
-    up_to: float = np.inf,
-) -> LegCheck:
-    """Judge the legs between a waist and two soles.
+def check_legs(robot: Robot, poses: WaistAndFeet, limits: LegLimits, up_to: float = np.inf) -> LegCheck:
+    """Judge both legs between waist and soles.
 
     Args:
         robot: the robot.
-        waist: (N, 7) poses.
-        left: (N, 7) sole poses.
-        right: (N, 7) sole poses.
-        rectangle: x_min, x_max, z_min, z_max (4,) or (N, 4) that must stay free [m].
-        knee_margin: how far knees must stay from straight [rad].
+        poses: N postures.
+        limits: what they must keep.
         up_to: separations larger than that are not told apart [m].
     """
-    soles = ((1, left), (-1, right))
-    postures = [leg_posture(robot, side, waist, sole, knee_margin) for side, sole in soles]
+    sides = (1, -1)
+    postures = [leg_posture(robot, side, poses.waist, poses.feet.foot(side), limits.knee_margin) for side in sides]
     nearest = [
-        leg_separation(robot, side, posture, rectangle, up_to)
-        for (side, _), posture in zip(soles, postures, strict=True)
+        leg_separation(robot, side, posture, limits.rectangle, up_to)
+        for side, posture in zip(sides, postures, strict=True)
     ]
     first, second = (distances for distances, _ in nearest)
     return LegCheck(
@@ -76,22 +77,13 @@ def check_legs(
     )
 
 
-def leg_is_free(
-    robot: Robot,
-    side: int,
-    waist: np.ndarray,
-    sole: np.ndarray,
-    rectangle: np.ndarray,
-    knee_margin: float,
-    spare: float = 0.0,
-) -> np.ndarray:
+def leg_is_free(robot: Robot, side: int, poses: WaistAndFeet, limits: LegLimits, spare: float = 0.0) -> np.ndarray:
     """Which postures one leg can take, (N,) bool: what LegCheck.good says of both, without saying why not."""
-    posture = leg_posture(robot, side, waist, sole, knee_margin)
+    posture = leg_posture(robot, side, poses.waist, poses.feet.foot(side), limits.knee_margin)
     free = posture.able()
-    able = LegPosture(*(part[free] for part in posture))
-    there = rectangle if rectangle.ndim == 1 else rectangle[free]
-    placements = robot.body.placements(able.q, robot.leg(side).joints)
-    free[free] = keep_free(_own_shapes(robot, side)[1], placements, there, spare)
+    placements = robot.body.placements(posture.q[free], robot.leg(side).joints)
+    shapes = [robot.shapes[k] for k in robot.leg_shapes[side]]
+    free[free] = keep_free(shapes, placements, limits.at(free).rectangle, spare)
     return free
 
 
@@ -124,16 +116,8 @@ def leg_posture(robot: Robot, side: int, waist: np.ndarray, sole: np.ndarray, kn
 def leg_separation(
     robot: Robot, side: int, posture: LegPosture, rectangle: np.ndarray, up_to: float = np.inf
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Smallest separation (N,) [m] of one leg from a rectangle, up to a largest one; its index (N,) in leg_shapes."""
+    """Smallest separation (N,) [m] of one leg from a rectangle, up to a largest one; its index (N,) in robot.shapes."""
     placements = robot.body.placements(posture.q, robot.leg(side).joints)
-    own, shapes = _own_shapes(robot, side)
-    distance, which = least_separation(shapes, placements, rectangle, up_to)
-    return distance, own[which]
-
-
-@lru_cache(maxsize=32)
-def _own_shapes(robot: Robot, side: int) -> tuple[np.ndarray, list[Shape]]:
-    """Indices in leg_shapes of one leg's shapes, and those shapes."""
-    joints = {robot.body.index(joint) for joint in robot.leg(side).joints}
-    own = [k for k, shape in enumerate(leg_shapes(robot)) if shape.joint in joints]
-    return np.array(own), [leg_shapes(robot)[k] for k in own]
+    own = robot.leg_shapes[side]
+    distance, which = least_separation([robot.shapes[k] for k in own], placements, rectangle, up_to)
+    return distance, np.array(own)[which]

@@ -7,56 +7,111 @@ import json
 import math
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from stepover.model.obstacle import Obstacle
 from stepover.model.robot import Robot
-from stepover.planning.algorithm_1.planned import Plan
+from stepover.motion.motion import Motion
+from stepover.planning.algorithm_1.plan import Plan
 from stepover.planning.checks import measure
+from stepover.planning.quasi_static.planner import QuasiStaticPlan
 
 if TYPE_CHECKING:
     from stepover.simulation.measurements import Run
 
 
 def plan_to_json(robot: Robot, obstacle: Obstacle, planned: Plan) -> dict[str, Any]:
-    """What `plan --json` prints, in SI units; `obstacle.distance` is where the front face really is."""
-    motion = planned.motion
-    return {
-        "robot": motion.robot,
-        "obstacle": dataclasses.asdict(obstacle) | {"distance": float(motion.obstacle[0])},
-        "key_configuration": dict(zip(("x_ads", "x_hds", "z_hds"), motion.key_configuration.tolist(), strict=True)),
-        **dataclasses.asdict(measure(robot, motion)),
-        "adaptations": planned.adaptations,
-        "planning_time": planned.planning_time,
+    """What `plan --json` prints of a plan of Algorithm 1, in SI units."""
+    more = {"adaptations": planned.adaptations, "planning_time": planned.planning_time}
+    return motion_to_json(robot, obstacle, planned.motion) | more
+
+
+def quasi_static_to_json(robot: Robot, obstacle: Obstacle, planned: QuasiStaticPlan) -> dict[str, Any]:
+    """What it prints of a quasi-static plan; `margins_refused` says why the margins asked for could not be kept."""
+    return motion_to_json(robot, obstacle, planned.motion) | {
+        "epsilon": planned.epsilon,
+        "margins_refused": planned.refused,
     }
+
+
+def motion_to_json(robot: Robot, obstacle: Obstacle, motion: Motion) -> dict[str, Any]:
+    """What it prints of the motion of any planner.
+
+    `obstacle.distance` and the margins of `obstacle` are those of the motion, which may differ from what was asked for.
+    """
+    front, _, _, beside, above = motion.obstacle[:5].tolist()
+    kept = {"distance": front, "margin_width": beside, "margin_height": above}
+    key = {} if motion.key_configuration is None else {"key_configuration": _key(motion.key_configuration)}
+    measures = dataclasses.asdict(measure(robot, motion))
+    if motion.zmp_first_stage is None:
+        del measures["zmp_rms_first_stage"]
+    about = {"robot": motion.robot, "planner": motion.planner, "obstacle": dataclasses.asdict(obstacle) | kept}
+    return about | key | measures
+
+
+def _key(key: np.ndarray) -> dict[str, float]:
+    """A key configuration (3,) by its names [m]."""
+    return dict(zip(("x_ads", "x_hds", "z_hds"), key.tolist(), strict=True))
 
 
 def plan_summary(result: dict[str, Any]) -> str:
     """A plan for people: aligned, in the units that they think in."""
-    key, obstacle, times = result["key_configuration"], result["obstacle"], result["planning_time"]
-    first, after, error = (_mm(result[name]) for name in ("zmp_rms_first_stage", "zmp_rms", "zmp_error_max"))
-    did = result["adaptations"]
+    return aligned([*_crossing(result), *_measured(result), *_told_by_the_planner(result)])
+
+
+def _crossing(result: dict[str, Any]) -> list[tuple[str, str]]:
+    """Who steps over what, and how."""
+    obstacle, key = result["obstacle"], result.get("key_configuration")
     rows = [
         ("robot", result["robot"]),
+        ("planner", result["planner"]),
         ("obstacle", f"{obstacle['height']:.3f} m high, {obstacle['width']:.3f} m wide, "
                      f"front face at {obstacle['distance']:.3f} m"),
         ("margins", f"{obstacle['margin_height']:.3f} m above, {obstacle['margin_width']:.3f} m before and behind"),
-        ("key configuration", f"X_ads {key['x_ads']:.3f} m, X_hds {key['x_hds']:.3f} m, Z_hds {key['z_hds']:.3f} m"),
-        ("duration", f"{result['duration']:.2f} s, of which {result['step_over_duration']:.2f} s over the obstacle"),
-        ("ZMP error, rms", f"{after} mm in x, y ({first} mm before the dynamic filter)"),
-        ("ZMP error, largest", f"{error} mm in x, y"),
+    ]  # fmt: skip
+    if key is not None:
+        lengths = f"X_ads {key['x_ads']:.3f} m, X_hds {key['x_hds']:.3f} m, Z_hds {key['z_hds']:.3f} m"
+        rows.append(("key configuration", lengths))
+    return rows
+
+
+def _measured(result: dict[str, Any]) -> list[tuple[str, str]]:
+    """What the motion comes to."""
+    over = _or_dash(result["step_over_duration"], "{:.2f} s", 1.0)
+    travel = _or_dash(result["com_travel_double_support"], "{:.1f} mm", 1e3)
+    first = result.get("zmp_rms_first_stage")
+    before = "" if first is None else f" ({_mm(first)} mm before the dynamic filter)"
+    return [
+        ("duration", f"{result['duration']:.2f} s, of which {over} over the obstacle"),
+        ("ZMP error, rms", f"{_mm(result['zmp_rms'])} mm in x, y{before}"),
+        ("ZMP error, largest", f"{_mm(result['zmp_error_max'])} mm in x, y"),
         ("ZMP to support's edge", f"{1e3 * result['zmp_margin_min']:.1f} mm at least"),
         ("clearance", f"{1e3 * result['clearance_min']:.1f} mm at least, "
                       f"{result['clearance_link']} at {result['clearance_time']:.3f} s"),
         ("joint margin", f"{math.degrees(result['joint_margin_min']):.1f} degrees at least, "
                          f"{result['joint_margin_joint']}"),
         ("joint speed", f"{result['joint_speed_ratio_max']:.2f} of its limit at most, {result['joint_speed_joint']}"),
-        ("CoM, double support", f"{1e3 * result['com_travel_double_support']:.1f} mm ahead over the obstacle"),
+        ("CoM, double support", f"{travel} ahead over the obstacle"),
         ("CoM, vertical", f"{result['com_acceleration_ratio_max']:.3f} g at most"),
-        ("arms (UBMG)", _arms(did["ubmg"])),
-        ("feet (FTA)", _feet(did["fta"])),
-        ("dynamic filter", f"{did['filter_passes']} pass{'es' * (did['filter_passes'] != 1)}"),
-        ("planned in", f"{times['total']:.2f} s, of which {times['feasibility']:.2f} s in the feasibility unit"),
     ]  # fmt: skip
-    return aligned(rows)
+
+
+def _told_by_the_planner(result: dict[str, Any]) -> list[tuple[str, str]]:
+    """What only some planners have to say."""
+    rows = []
+    if "adaptations" in result:
+        did, times = result["adaptations"], result["planning_time"]
+        rows += [
+            ("arms (UBMG)", _arms(did["ubmg"])),
+            ("feet (FTA)", _feet(did["fta"])),
+            ("dynamic filter", f"{did['filter_passes']} pass{'es' * (did['filter_passes'] != 1)}"),
+            ("planned in", f"{times['total']:.2f} s, of which {times['feasibility']:.2f} s in the feasibility unit"),
+        ]
+    if "epsilon" in result:
+        rows.append(("ZMP to CoM", f"{1e3 * result['epsilon']:.2g} mm at most, epsilon"))
+        if result["margins_refused"]:
+            rows.append(("margins reduced", f"with those asked for: {result['margins_refused']}"))
+    return rows
 
 
 def run_summary(run: Run) -> str:

@@ -81,8 +81,7 @@ def page(robot: Robot, motion: Motion, time: float | None = None) -> str:
     Raises:
         InvalidInput: the motion is for another robot, or the time lies outside it.
     """
-    if list(motion.joint_names) != robot.body.joint_names:
-        raise InvalidInput(f"the motion is for {motion.robot!r}: its joints are not those of {robot.name!r}")
+    motion.require_robot(robot)
     first, last = float(motion.time[0]), float(motion.time[-1])
     shown = first if time is None else time
     if not first <= shown <= last:

@@ -104,8 +104,8 @@ def surroundings(robot: Robot, motion: Motion) -> Iterator[Solid | Lines]:
 
 def soles(motion: Motion, side: int) -> np.ndarray:
     """Poses (K, 7) in which a sole stands on the floor, the first one at the start."""
-    steps = motion.footsteps[motion.footsteps[:, 1] == side]
-    places = pose.pose(np.column_stack([steps[:, 2:4], np.zeros(len(steps))]), steps[:, 4])
+    steps = motion.footsteps.of_side(side)
+    places = pose.pose(np.column_stack([steps.x, steps.y, np.zeros(len(steps))]), steps.yaw)
     return np.vstack([motion.foot(side)[0], places])
 
 

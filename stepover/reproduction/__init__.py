@@ -1,1 +1,1 @@
-"""The paper's claims, what the notebooks measured, and the run that brings both together."""
+"""The paper's claims, what the notebooks measured, and the run that compares both."""

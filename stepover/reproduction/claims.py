@@ -1,7 +1,7 @@
-"""The paper's claims: what each one says, and by which rule a number is judged.
+"""The paper's claims: the statement of each one, and the rule that judges a number.
 
-data/claims.toml holds one table a claim. A notebook records what it measured (report/recorder.py), and
-`make reproduce` gathers the records (report/verdicts.py).
+data/claims.toml holds one table for each claim. A notebook records its numbers (recorder.py), and `make reproduce`
+gathers the records (verdicts.py).
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from stepover.locations import data_folder
 
 HOLDS, DIFFERS, UNTESTED = VERDICTS = ("holds", "differs", "cannot be tested here")
 SLACK = 1e-9
-"""What rounding may take from a number that is just within its bound, as a share of the bound."""
+"""Tolerance for rounding errors, as a share of the bound."""
 
 RULES: Mapping[str, Callable[[float, float, float], bool]] = MappingProxyType(
     {
@@ -32,7 +32,7 @@ RULES: Mapping[str, Callable[[float, float, float], bool]] = MappingProxyType(
         "above": lambda x, bound, tolerance: x > bound + tolerance,
     }
 )
-"""How a number is compared; beside these, "between" (from the first bound to below the second) and "text" (equal)."""
+"""The comparisons by name. Others: "between" (from the first bound to below the second) and "text" (equal)."""
 
 
 @dataclass(frozen=True)
@@ -40,13 +40,16 @@ class Claim:
     """One claim of the paper.
 
     Attributes:
-        id, section, statement: which one, where, and what it says, in our words.
-        paper: the paper's number, numbers or word.
+        id: its name.
+        section: of the paper.
+        statement: of the paper, in our words.
+        paper: the paper's number, numbers, or word.
         unit: of the numbers.
         compare: one of RULES, "between" or "text".
-        bound: what is compared with, where it is not `paper` itself.
+        bound: the value to compare with, if it is not `paper`.
         tolerance: in the unit; for "ratio" a share.
-        notebook, figure: where it is measured and shown; without a figure "".
+        notebook: measures it.
+        figure: shows it; "" if there is none.
         varies: whether the number depends on the machine.
     """
 
@@ -63,7 +66,7 @@ class Claim:
     varies: bool = False
 
     def __post_init__(self) -> None:
-        """Refuse what could not be judged."""
+        """Refuse a claim that cannot be judged."""
         for name in ("section", "statement", "notebook", "unit", "figure", "compare"):
             if not isinstance(getattr(self, name), str) or (name in _REQUIRED and not getattr(self, name)):
                 raise InvalidInput(f"claim {self.id!r}: {name} = {getattr(self, name)!r} must be a text")
@@ -81,11 +84,11 @@ class Claim:
 
     @property
     def compared_with(self) -> Any:
-        """The bound, or the paper's value where there is none."""
+        """The bound, or the paper's value if there is no bound."""
         return self.paper if self.bound is None else self.bound
 
     def holds(self, measured: Any) -> bool:
-        """Whether a number or text, or each of a list of them, keeps the rule; what is not a number never does."""
+        """Whether a number or text, or each item of a list, satisfies the rule. NaN and infinity never do."""
         values, bounds = _listed(measured), _listed(self.compared_with)
         if self.compare == "between":
             return all(_is_number(x) and bounds[0] <= x < bounds[1] for x in values)
@@ -104,7 +107,7 @@ def read_claims(path: Path | None = None) -> dict[str, Claim]:
     """All claims by their id, in the order of the file; data/claims.toml unless another file is given.
 
     Raises:
-        InvalidInput: the file cannot be read, or a claim lacks a key or has one that makes no sense.
+        InvalidInput: the file cannot be read, or a claim has a missing, unknown or wrong key.
     """
     path = path or data_folder() / "claims.toml"
     try:
@@ -128,10 +131,10 @@ def read_claims(path: Path | None = None) -> dict[str, Claim]:
 
 
 def _listed(value: Any) -> list[Any]:
-    """A value as a list of one, a list as it is."""
+    """A list as it is, any other value as a list of one item."""
     return value if isinstance(value, list) else [value]
 
 
 def _is_number(value: Any) -> bool:
-    """Whether it is a finite number; a truth value is none."""
+    """Whether a value is a finite number and not a bool."""
     return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)

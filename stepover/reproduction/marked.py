@@ -1,4 +1,4 @@
-"""Text that is generated into a file that people write: it stands between two comments."""
+"""A generated block inside a file that people write. Two comments mark its place."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ def marks(name: str) -> tuple[str, str]:
 
 
 def with_block(path: Path, name: str, block: str) -> str:
-    """A file's text with a block in the place of what stands between its marks.
+    """The text of a file with a new block between its marks.
 
     Raises:
-        InvalidInput: the file cannot be read, or has not each mark once, in their order.
+        InvalidInput: the file cannot be read, or does not contain each mark once and in order.
     """
     start, end = marks(name)
     try:
@@ -24,6 +24,6 @@ def with_block(path: Path, name: str, block: str) -> str:
     except OSError as error:
         raise InvalidInput(f"{path} cannot be read: {error.strerror}") from error
     if text.count(start) != 1 or text.count(end) != 1 or text.index(start) > text.index(end):
-        raise InvalidInput(f"{path} must hold {start} and {end}, once each, around what is generated")
+        raise InvalidInput(f"{path} must hold {start} and {end}, once each, around its generated block")
     before, after = text.split(start)[0], text.split(end)[1]
     return f"{before}{start}\n{block}\n{end}{after}"

@@ -1,4 +1,4 @@
-"""What a notebook measured for the paper's claims: a record file beside its figures, written at every record."""
+"""The numbers that a notebook measures for the paper's claims. They go into a file beside its figures."""
 
 from __future__ import annotations
 
@@ -17,22 +17,22 @@ from stepover.report.tables.table import Table, table
 from stepover.reproduction.claims import DIFFERS, HOLDS, UNTESTED, VERDICTS, read_claims
 
 SUFFIX = ".claims.json"
-"""How the name of a record file ends."""
+"""Ending of the name of a record file."""
 PACKAGES = ("numpy", "pin", "pybullet")
-"""Whose versions a record keeps."""
+"""The packages whose versions a record keeps."""
 
 
 class Recorder:
-    """What a notebook measured; each record is written at once, beside the notebook's figures."""
+    """The records of one notebook. Each record is written at once, beside the notebook's figures."""
 
     def __init__(self, notebook: str, output: str | Path, known: Path | None = None, **parameters: object) -> None:
-        """Begin anew.
+        """Start with no records.
 
         Args:
             notebook: its name.
             output: folder of its figures.
             known: file of the claims, data/claims.toml unless given.
-            parameters: of the notebook, which go into each record.
+            parameters: of the notebook; each record keeps them.
         """
         self.claims = {name: one for name, one in read_claims(known).items() if one.notebook == notebook}
         self.path = Path(output) / f"{notebook}{SUFFIX}"
@@ -44,10 +44,10 @@ class Recorder:
     def record(
         self, claim: str, measured: Any, reason: str = "", verdict: str | None = None, **parameters: object
     ) -> None:
-        """Record what was measured for a claim, in its unit; the claim's rule gives the verdict unless one is given.
+        """Record the measured value of a claim, in its unit. Its rule gives the verdict, unless one is given.
 
         Raises:
-            InvalidInput: no such claim of this notebook, an unknown verdict, or one that needs a reason.
+            InvalidInput: this notebook has no such claim, the verdict is unknown, or it needs a reason.
         """
         if claim not in self.claims:
             raise InvalidInput(f"{self.path.name}: {claim!r} is no claim of this notebook: see data/claims.toml")
@@ -63,7 +63,7 @@ class Recorder:
         self._write()
 
     def table(self) -> Table:
-        """What has been recorded so far."""
+        """The records so far."""
         rows = [
             (one.statement, shown(one.paper, one.unit), shown(row["measured"], one.unit), row["verdict"], row["reason"])
             for row in self.records.values() for one in [self.claims[row["id"]]]
@@ -71,19 +71,19 @@ class Recorder:
         return table("claim | paper | here | verdict | reason, or what it depends on", rows)
 
     def _write(self) -> None:
-        """All records so far, whole or not at all."""
+        """Write all records so far, completely or not at all."""
         self.path.parent.mkdir(parents=True, exist_ok=True)
         text = as_json(list(self.records.values()))
         write_whole(self.path, lambda file: file.write(text.encode()))
 
 
 def as_json(rows: list[dict[str, Any]]) -> str:
-    """Rows as they are stored: null for what is no number, the same text for the same rows."""
+    """Rows as stored text: null for NaN, the same text for the same rows."""
     return json.dumps(rows, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
 
 
 def plain(value: Any) -> Any:
-    """Numpy's scalars and arrays as Python's own."""
+    """Numpy scalars and arrays as Python values."""
     if isinstance(value, Mapping):
         return {key: plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
@@ -92,7 +92,7 @@ def plain(value: Any) -> Any:
 
 
 def shortened(value: Any, digits: int) -> Any:
-    """Numbers with so many digits, None for what is none."""
+    """Numbers rounded to some significant digits; None for NaN and infinity."""
     if isinstance(value, list):
         return [shortened(item, digits) for item in value]
     if isinstance(value, float):
@@ -101,7 +101,7 @@ def shortened(value: Any, digits: int) -> Any:
 
 
 def shown(value: Any, unit: str = "") -> str:
-    """A value for a table: three digits, more for hundreds of thousands, and its unit."""
+    """A value with its unit, for a table: three significant digits, or all digits from 1,000 to 100,000."""
     if isinstance(value, list):
         return f"{', '.join(shown(item) for item in value)} {unit}".rstrip()
     if isinstance(value, str):

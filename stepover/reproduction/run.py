@@ -1,8 +1,8 @@
 """The reproduction run: every notebook through papermill, every figure to its place. The only door to papermill.
 
-A notebook writes into a staging folder, and what it wrote is moved to figures/ once the whole notebook has
-succeeded: a run that fails or is killed leaves the old figures as they were. What the notebooks recorded for the
-paper's claims is gathered at the end, once all of them have succeeded.
+A notebook writes into a staging folder. When the whole notebook has succeeded, the files move to figures/. A run that
+fails or is killed leaves the old figures unchanged. The records of the claims are gathered at the end, when all
+notebooks have succeeded.
 """
 
 from __future__ import annotations
@@ -18,20 +18,20 @@ from stepover.errors import InvalidInput, StepOverError
 from stepover.reproduction.verdicts import gather, take_records
 
 OUTPUT = "output"
-"""The parameter that tells a notebook where its figures go; set here, not by the user."""
+"""The parameter for the folder of a notebook's figures. The run sets it; a user cannot."""
 EXIT_CODES = {"Infeasible": 3, "InvalidInput": 2, "CorruptMotion": 2}
-"""How the error of a failing cell shows in the exit code; any other one is 1."""
+"""Exit codes by the error of the failing cell; 1 for any other error."""
 
 
 class NotebookFailed(StepOverError):
-    """A notebook with a cell that raised; the message names both.
+    """A cell of a notebook raised an error. The message names notebook and cell.
 
     Attributes:
         exit_code: of the command line.
     """
 
     def __init__(self, message: str, exit_code: int = 1) -> None:
-        """Keep the exit code beside the message."""
+        """Store message and exit code."""
         self.exit_code = exit_code
         super().__init__(message)
 
@@ -39,22 +39,22 @@ class NotebookFailed(StepOverError):
 def reproduce(top: Path, only: str | None = None, parameters: dict[str, str] | None = None) -> list[Path]:
     """Run the notebooks of a checkout, move their figures to their place, and gather what they recorded.
 
-    With values of one's own the figures go to build/figures/ and the executed copies to build/experiment/; what an
-    experiment fails at does not keep the other notebooks from running.
+    With your own parameters the figures go to build/figures/ and the executed copies to build/experiment/. If a
+    notebook fails then, the others still run.
 
     Args:
         top: the checkout, with notebooks/.
         only: name of the one notebook to run, with or without .ipynb or its folder.
-        parameters: own values for the notebooks' parameters.
+        parameters: your values of notebook parameters, by name.
 
     Returns:
-        What was written: the figures and, without values of one's own, figures/claims.json and README.md.
+        The files that were written: the figures and, without own parameters, figures/claims.json and its pages.
 
     Raises:
         InvalidInput: an unknown notebook or parameter, or a value of the wrong type: nothing has run then. Or records
-            and data/claims.toml disagree: the old claims are as they were.
-        NotebookFailed: names notebook, cell and error; that notebook's old figures are as they were. Of an experiment
-            it names all that failed, once the others have run; the exit code is the largest.
+            and data/claims.toml disagree: the old claims stay unchanged.
+        NotebookFailed: names notebook, cell and error. The old figures of that notebook stay unchanged. With own
+            parameters it names all notebooks that failed, after the others have run, and has the largest exit code.
     """
     notebooks = find_notebooks(top, only)
     values = _own_values(notebooks, parameters or {})
@@ -88,7 +88,7 @@ def reproduce(top: Path, only: str | None = None, parameters: dict[str, str] | N
 
 
 def find_notebooks(top: Path, only: str | None = None) -> list[Path]:
-    """The notebooks of a checkout in alphabetical order, or the one that is asked for."""
+    """The notebooks of a checkout in alphabetical order, or only the named one."""
     found = sorted((top / "notebooks").glob("*.ipynb"))
     if not found:
         raise InvalidInput(f"no notebooks in {top / 'notebooks'}")
@@ -101,7 +101,7 @@ def find_notebooks(top: Path, only: str | None = None) -> list[Path]:
 
 
 def run_notebook(notebook: Path, executed: Path, output: Path, values: dict[str, Any], label: str = "") -> None:
-    """Run one notebook with a progress bar, labelled by its name if by no other, and keep the copy, also if it fails.
+    """Run one notebook with a progress bar and keep the executed copy, even if it fails. The default label is its name.
 
     Raises:
         NotebookFailed: a cell raised an error, or the kernel could not be started or died.
@@ -132,16 +132,16 @@ def parameters_of(notebook: Path) -> dict[str, Any]:
 
     try:
         found = papermill.inspect_notebook(str(notebook))
-    except Exception as error:  # nbformat's many ways to say that this is no notebook
+    except Exception as error:  # nbformat raises many kinds of errors for a file that is not a notebook
         raise InvalidInput(f"{notebook} cannot be read as a notebook ({type(error).__name__})") from error
     return {name: ast.literal_eval(parameter["default"]) for name, parameter in found.items()}
 
 
 def parameter_value(name: str, text: str, default: Any) -> Any:
-    """A parameter's value from its text, in the type of its default.
+    """The value of a parameter from its text, with the type of its default.
 
     Raises:
-        InvalidInput: not of that type, or a number that is not finite.
+        InvalidInput: the text has another type, or is not a finite number.
     """
     if isinstance(default, str):
         return text
@@ -159,7 +159,7 @@ def parameter_value(name: str, text: str, default: Any) -> Any:
 
 
 def _own_values(notebooks: list[Path], parameters: dict[str, str]) -> dict[Path, dict[str, Any]]:
-    """For each notebook the parameters that it knows; refuse those that none of them knows."""
+    """For each notebook the parameters that it has. Refuse a parameter that no notebook has."""
     known = {notebook: parameters_of(notebook) for notebook in notebooks}
     names = sorted({name for defaults in known.values() for name in defaults} - {OUTPUT})
     for name in parameters:
@@ -176,7 +176,7 @@ def _own_values(notebooks: list[Path], parameters: dict[str, str]) -> dict[Path,
 
 
 def _where(notebook: Path, source: str) -> tuple[int, str]:
-    """Which code cell of a notebook this is, counted from 1 as Jupyter does, and its first line of code."""
+    """The number of a code cell, counted from 1, and its first line of code."""
     import nbformat
 
     cells = [cell.source for cell in nbformat.read(notebook, as_version=4).cells if cell.cell_type == "code"]
@@ -185,7 +185,7 @@ def _where(notebook: Path, source: str) -> tuple[int, str]:
 
 
 def _move(staging: Path, place: Path) -> list[Path]:
-    """Move files into their folder, each one whole or not at all."""
+    """Move files into their folder, each one completely or not at all."""
     place.mkdir(parents=True, exist_ok=True)
     moved = [place / file.name for file in sorted(staging.iterdir())]
     for target in moved:

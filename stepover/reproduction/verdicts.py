@@ -1,28 +1,26 @@
-"""All claims together: gather what the notebooks recorded into figures/claims.json and README's table."""
+"""Gather the records of all notebooks into figures/claims.json and the generated pages."""
 
 from __future__ import annotations
 
 import dataclasses
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import BinaryIO
 
 from stepover.errors import InvalidInput
 from stepover.output import write_whole
-from stepover.report.tables.table import table
-from stepover.reproduction.claims import DIFFERS, HOLDS, UNTESTED, Claim, read_claims
-from stepover.reproduction.marked import with_block
-from stepover.reproduction.recorder import SUFFIX, as_json, shown
+from stepover.reproduction.captions import read_captions
+from stepover.reproduction.claims import DIFFERS, Claim, read_claims
+from stepover.reproduction.pages import Entry, claims_page, figures_page, readme_with
+from stepover.reproduction.recorder import SUFFIX, as_json
 
-MARK = "claims"
-"""Around README's table and the line above it."""
 RECORDED = ("measured", "verdict", "reason", "parameters", "versions")
-Entry = dict[str, Any]
 
 
 def take_records(folder: Path) -> list[Entry]:
-    """Take the records out of a notebook's staging folder, so that only its figures are left there."""
+    """Take the records out of a notebook's staging folder, so that only its figures remain there."""
     rows: list[Entry] = []
     for path in sorted(folder.glob(f"*{SUFFIX}")):
         rows += json.loads(path.read_text())
@@ -31,24 +29,24 @@ def take_records(folder: Path) -> list[Entry]:
 
 
 def gather(top: Path, found: Mapping[str, list[Entry]], whole: bool) -> list[Path]:
-    """Write figures/claims.json and README's table.
+    """Write figures/claims.json, docs/claims.md, docs/figures.md and README's block.
 
-    A number that depends on the machine stays as it is stored while its verdict, reason and versions are the same: so
-    whoever reproduces the claims sees no difference where there is none. To store a new one, delete the old entry.
+    A number that depends on the machine keeps its stored value while verdict, reason and versions stay the same. So a
+    new run shows no difference where there is none. To store a new value, delete the old entry.
 
     Args:
-        top: the checkout, with data/claims.toml; without that file nothing is to be judged.
-        found: records by notebook, of those that ran.
-        whole: whether all notebooks ran; else the records of the others stay as they were.
+        top: the checkout, with data/claims.toml; without that file there are no claims to judge.
+        found: the records of the notebooks that ran, by notebook.
+        whole: whether all notebooks ran; otherwise the records of the others stay unchanged.
 
     Returns:
         The files that were written.
 
     Raises:
-        InvalidInput: a record without a claim, a claim without a record, or a verdict that differs without a reason;
-            nothing has been written then.
+        InvalidInput: a record without a claim, a claim without a record, a verdict that differs without a reason, or
+            a figure without a caption; nothing has been written then.
     """
-    source, stored, readme = top / "data" / "claims.toml", top / "figures" / "claims.json", top / "README.md"
+    source, stored = top / "data" / "claims.toml", top / "figures" / "claims.json"
     if not source.is_file() and not any(found.values()):
         return []
     claims = read_claims(source)
@@ -62,7 +60,7 @@ def gather(top: Path, found: Mapping[str, list[Entry]], whole: bool) -> list[Pat
     for notebook, records in found.items():
         for row in records:
             if row["id"] not in claims or claims[row["id"]].notebook != notebook:
-                raise InvalidInput(f"notebook {notebook} records {row['id']!r}, which is no claim of it in {source}")
+                raise InvalidInput(f"notebook {notebook} records {row['id']!r}, but {source} has no such claim of it")
             stays = claims[row["id"]].varies and _as_before(row, before.get(row["id"], {}))
             rows[row["id"]] = before[row["id"]] if stays else row
     missing = [name for name, one in claims.items() if name not in rows and (whole or one.notebook in found)]
@@ -72,19 +70,43 @@ def gather(top: Path, found: Mapping[str, list[Entry]], whole: bool) -> list[Pat
     if silent:
         raise InvalidInput(f"claims that differ without a reason: {', '.join(silent)}")
     entries = [entry(claims[name], rows[name]) for name in claims if name in rows]
-    text = with_table(readme, entries)
-    write_whole(stored, lambda file: file.write(as_json(entries).encode()))
-    write_whole(readme, lambda file: file.write(text.encode()))
-    return [stored, readme]
+    return write_pages(top, entries)
+
+
+def write_pages(top: Path, entries: Sequence[Entry]) -> list[Path]:
+    """Write figures/claims.json and every page that is made from it.
+
+    Returns:
+        The files that were written.
+
+    Raises:
+        InvalidInput: a figure has no caption, or README has no block to fill; nothing has been written then.
+    """
+    docs = top / "docs"
+    texts = {
+        top / "figures" / "claims.json": as_json(list(entries)),
+        docs / "claims.md": claims_page(entries),
+        docs / "figures.md": figures_page(read_captions(top), entries),
+        top / "README.md": readme_with(top / "README.md", entries),
+    }
+    docs.mkdir(exist_ok=True)
+    for path, text in texts.items():
+        write_whole(path, partial(_write, text))
+    return list(texts)
+
+
+def _write(text: str, file: BinaryIO) -> None:
+    """Write a text into an open file."""
+    file.write(text.encode())
 
 
 def _as_before(row: Entry, before: Entry) -> bool:
-    """Whether a record says what is stored, but for its numbers."""
+    """Whether a record equals the stored one, except for its numbers."""
     return all(row[name] == before.get(name) for name in ("verdict", "reason", "versions"))
 
 
 def entry(claim: Claim, record: Entry) -> Entry:
-    """What claims.json holds of a claim."""
+    """The entry of a claim in claims.json."""
     said = dataclasses.asdict(claim)
     measured = {name: record[name] for name in RECORDED}
     first = {name: said[name] for name in ("id", "section", "statement", "paper", "unit")}
@@ -93,7 +115,7 @@ def entry(claim: Claim, record: Entry) -> Entry:
 
 
 def read_entries(path: Path) -> list[Entry]:
-    """What claims.json holds; nothing where there is no such file.
+    """The entries of claims.json; none if there is no such file.
 
     Raises:
         InvalidInput: it is not a list of claims.
@@ -105,33 +127,3 @@ def read_entries(path: Path) -> list[Entry]:
         return [dict(row, id=row["id"], **{name: row[name] for name in RECORDED}) for row in rows]
     except (ValueError, TypeError, KeyError) as error:
         raise InvalidInput(f"{path} is no list of claims; delete it and run 'make reproduce'") from error
-
-
-def readme_table(entries: list[Entry]) -> str:
-    """The claims as a table in markdown, narrow enough for a page."""
-    rows = [
-        (
-            row["statement"], shown(row["paper"], row["unit"]), shown(row["measured"], row["unit"]), judgement(row),
-            f"{row['section']}; `{row['id']}` in [notebook](notebooks/{row['notebook']}.ipynb)"
-            + (f", [figure](figures/{row['figure']}.png)" if row["figure"] else ""),
-        )
-        for row in entries
-    ]  # fmt: skip
-    return table("claim | paper | here | verdict | where", rows)._repr_markdown_()
-
-
-def tally(entries: list[Entry]) -> str:
-    """How many claims hold, differ and cannot be tested, in one line."""
-    holds, differ, untested = (sum(row["verdict"] == name for row in entries) for name in (HOLDS, DIFFERS, UNTESTED))
-    return f"Of {len(entries)} claims {holds} hold, {differ} differ, and {untested} cannot be tested here."
-
-
-def with_table(readme: Path, entries: list[Entry]) -> str:
-    """README's text with the tally and the table between its marks: see with_block."""
-    return with_block(readme, MARK, f"{tally(entries)}\n\n{readme_table(entries)}")
-
-
-def judgement(row: Entry) -> str:
-    """A verdict with its reason, in markdown; what does not hold stands out."""
-    name = row["verdict"] if row["verdict"] == HOLDS else f"**{row['verdict']}**"
-    return f"{name}: {row['reason']}" if row["reason"] else name

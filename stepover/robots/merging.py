@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from stepover.model.description import Description, Link, Place
+from stepover.model.description.links import Description, Link, Place
 
 
 def merged(description: Description, fixed: set[str]) -> Description:

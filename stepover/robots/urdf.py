@@ -13,7 +13,7 @@ from typing import TypeVar
 import numpy as np
 
 from stepover.errors import InvalidInput
-from stepover.model.description import Description, Hinge, Inertia, Link
+from stepover.model.description.links import Description, Hinge, Inertia, Link
 from stepover.robots.files import read_text
 from stepover.robots.findings import Findings
 from stepover.robots.merging import merged
@@ -109,16 +109,11 @@ class _Reader:
     def _joint(self, element: ET.Element) -> Hinge:
         """A joint, or InvalidInput."""
         name, kind = attribute(element, "name"), attribute(element, "type")
-        ends = []
-        for end in ("parent", "child"):
-            found = element.find(end)
-            if found is None:
-                raise InvalidInput(f"it has no <{end}>")
-            ends.append(attribute(found, "link"))
+        parent, child = (_end(element, end) for end in ("parent", "child"))
         place = origin_of(element)
         if kind == "fixed":
             self.fixed.add(name)
-            return Hinge(name, *ends, place, np.array([1.0, 0.0, 0.0]), 0.0, 0.0, 0.0, 0.0)
+            return Hinge(name, parent, child, place, np.array([1.0, 0.0, 0.0]), 0.0, 0.0, 0.0, 0.0)
         if kind != "revolute":
             raise InvalidInput(f"its type is {kind!r}; only revolute joints with limits, and fixed ones, can be used")
         mimic = element.find("mimic")
@@ -134,7 +129,7 @@ class _Reader:
             direction = direction / length
             if abs(length - 1.0) > 1e-3:
                 self._findings.note(f"joint {name!r}", f"its axis of length {length:g} is taken with length 1")
-        return Hinge(name, *ends, place, direction, *_limits(element), mimic=follows)
+        return Hinge(name, parent, child, place, direction, *_limits(element), mimic=follows)
 
     def _part(self, where: str, read: Callable[[], Part], instead: Part) -> Part:
         """What a function reads; where it cannot, a finding and something instead."""
@@ -143,6 +138,14 @@ class _Reader:
         except InvalidInput as error:
             self._findings.error(where, str(error))
             return instead
+
+
+def _end(element: ET.Element, end: str) -> str:
+    """Name of the link at one end of a joint, "parent" or "child"."""
+    found = element.find(end)
+    if found is None:
+        raise InvalidInput(f"it has no <{end}>")
+    return attribute(found, "link")
 
 
 def _limits(element: ET.Element) -> tuple[float, float, float, float]:

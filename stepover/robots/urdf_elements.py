@@ -9,8 +9,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from stepover.errors import InvalidInput
-from stepover.model.corners import corners_of
-from stepover.model.description import BOX, CYLINDER, MESH, ORIGIN, SPHERE, Inertia, Place, Solid, Visual
+from stepover.model.description.corners import corners_of
+from stepover.model.description.links import BOX, CYLINDER, MESH, ORIGIN, SPHERE, Inertia, Place, Solid, Visual
 from stepover.robots.files import require_readable
 from stepover.robots.meshes import MOST_BYTES, corners_of_mesh, find_mesh, require_solid
 

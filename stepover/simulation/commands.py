@@ -8,6 +8,7 @@ import numpy as np
 
 from stepover.control.estimator import Estimate
 from stepover.control.sensors import Sensed
+from stepover.model.parameters.planning import samples
 from stepover.motion.motion import Motion
 from stepover.simulation.engine import Engine
 from stepover.simulation.sensing import Senses
@@ -60,13 +61,21 @@ class OpenLoop:
 class ClosedLoop:
     """A controller, which sees what the senses read and nothing else.
 
-    It works out a command from the readings of one sample before, and in the time until the next sample the motors
-    go straight to it. So the command for a sample rests on what was sensed two samples earlier, plus extra latency.
+    In the time until the next sample the motors go straight to a command; the rest of robot.stabilizer.age it takes to
+    work it out. So the command for a sample rests on what was sensed that much earlier, plus extra latency.
     """
 
-    def __init__(self, controller: Controller, senses: Senses, motion: Motion, steps: int) -> None:
-        """Begin where the motion does; so many time steps from one sample to the next."""
-        self._controller, self._senses = controller, senses
+    def __init__(self, controller: Controller, senses: Senses, motion: Motion, steps: int, delay: float) -> None:
+        """Begin where the motion does.
+
+        Args:
+            controller: makes the commands.
+            senses: what it reads.
+            motion: where it begins, and its sample time.
+            steps: time steps from one sample to the next.
+            delay: age of the readings that a command is worked out from [s].
+        """
+        self._controller, self._senses, self._delay = controller, senses, delay
         self._steps, self._period, self._command = steps, motion.dt, motion.q[0, 7:]
 
     @property
@@ -77,7 +86,7 @@ class ClosedLoop:
     def trajectory(self, sample: int) -> JointTrajectory:
         """From the last command to a new one."""
         before = self._command
-        self._command = self._controller.command(sample, self._senses.late(self._period))
+        self._command = self._controller.command(sample, self._senses.late(self._delay))
         return straight(before, self._command, self._steps, self._period)
 
     def sense(self, touch: Touch) -> None:
@@ -91,5 +100,9 @@ def commands_of(controller: Controller | None, motion: Motion, engine: Engine) -
     Raises:
         InvalidInput: the motion's sample time is no multiple of the engine's time step.
     """
-    steps = steps_a_sample(motion, engine.scene.robot.simulation.time_step)
-    return ClosedLoop(controller, Senses(engine, motion.dt), motion, steps) if controller else OpenLoop(motion, steps)
+    robot = engine.scene.robot
+    steps = steps_a_sample(motion, robot.simulation.time_step)
+    if controller is None:
+        return OpenLoop(motion, steps)
+    delay = (samples(robot.stabilizer.age, motion.dt) - 1) * motion.dt
+    return ClosedLoop(controller, Senses(engine, motion.dt), motion, steps, delay)

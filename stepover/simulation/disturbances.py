@@ -11,6 +11,7 @@ import numpy as np
 
 from stepover.errors import InvalidInput
 from stepover.model.gravity import GRAVITY
+from stepover.motion.footsteps import LEG_1, LEG_2
 from stepover.motion.motion import Motion
 
 GROUND_RANGE = (-0.05, 0.05)
@@ -31,7 +32,7 @@ class Disturbances:
             of the motion's footsteps, as (number from 1, height [m]).
     """
 
-    friction: float | None = _of("friction between everything, instead of robot.toml's", "1", 0.01, 2.0, None)
+    friction: float | None = _of("friction between everything, instead of the robot's", "1", 0.01, 2.0, None)
     ground_leg_1: float = _of("floor under the foothold of leg 1, higher", "m", *GROUND_RANGE)
     ground_leg_2: float = _of("floor under the foothold of leg 2, higher", "m", *GROUND_RANGE)
     slope_ahead: float = _of("the floor rises ahead; the obstacle stands on it", "deg", -10.0, 10.0)
@@ -104,8 +105,8 @@ class Disturbances:
     def floor(self, motion: Motion) -> np.ndarray:
         """Height (K,) of the floor under every foothold of a motion [m]; the numbered ones count on top."""
         heights = np.zeros(len(motion.footsteps))
-        for kind, height in ((2, self.ground_leg_1), (3, self.ground_leg_2)):
-            heights[motion.footsteps[:, 5] == kind] += height
+        for kind, height in ((LEG_1, self.ground_leg_1), (LEG_2, self.ground_leg_2)):
+            heights[motion.footsteps.kind == kind] += height
         for number, height in self.footholds:
             heights[number - 1] += height
         return heights

@@ -6,7 +6,7 @@ J joints in the order of q[7:], K obstacles in the order in which the scene name
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import import_module
 from typing import Any, Protocol, Self, cast
@@ -21,7 +21,7 @@ FLOOR, NO_FOOT = -1, -1
 """What Contacts.touched and Contacts.foot say of the floor, and of a link that is no foot."""
 DEFAULT = "pybullet"
 """The engine of the paper's cases."""
-_HOMES = {"pybullet": ("stepover.simulation.pybullet.world", "World"), "mujoco": ("stepover.simulation.mujoco.world", "World")}
+_HOMES = {"pybullet": ("stepover.simulation.pybullet.world", "World")}
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,9 +46,10 @@ class Scene:
 
 @dataclass(frozen=True, eq=False)
 class Contacts:
-    """The n points where the robot bears on the floor or touches an obstacle, as arrays.
+    """The n points where the robot bears on the floor or touches an obstacle, over some time steps, as arrays.
 
     Attributes:
+        step: (n,) time step in which a point touches, counted from 0; in rising order.
         link: (n,) index in Engine.links of the robot's link.
         foot: (n,) 0 left, 1 right; NO_FOOT for every other link.
         touched: (n,) number of the obstacle, from 0; FLOOR for the floor.
@@ -57,6 +58,7 @@ class Contacts:
         depth: (n,) of the overlap [m]; never negative on an obstacle.
     """
 
+    step: np.ndarray
     link: np.ndarray
     foot: np.ndarray
     touched: np.ndarray
@@ -64,19 +66,14 @@ class Contacts:
     force: np.ndarray
     depth: np.ndarray
 
-    @staticmethod
-    def joined(parts: Sequence[Contacts]) -> Contacts:
-        """The points of several time steps, in order."""
-        names = ("link", "foot", "touched", "position", "force", "depth")
-        return Contacts(*(np.concatenate([getattr(part, name) for part in parts]) for name in names))
-
-    def floor_force(self, foot: int) -> np.ndarray:
-        """Force (3,) of the floor on a foot, 0 left or 1 right [N]."""
-        return np.asarray(self.force[(self.touched == FLOOR) & (self.foot == foot)].sum(axis=0))
+    def floor_force(self, foot: int, step: int) -> np.ndarray:
+        """Force (3,) of the floor on a foot, 0 left or 1 right, in one time step [N]."""
+        bears = (self.step == step) & (self.touched == FLOOR) & (self.foot == foot)
+        return np.asarray(self.force[bears].sum(axis=0))
 
 
 _NONE, _NOWHERE = np.zeros(0, dtype=int), np.zeros((0, 3))
-NO_CONTACTS = Contacts(_NONE, _NONE, _NONE, _NOWHERE, _NOWHERE, np.zeros(0))
+NO_CONTACTS = Contacts(_NONE, _NONE, _NONE, _NONE, _NOWHERE, _NOWHERE, np.zeros(0))
 """Nothing touches the robot."""
 
 
@@ -126,7 +123,7 @@ class Engine(Protocol):
         """Let one time step of robot.simulation pass."""
 
     def contacts(self) -> Contacts:
-        """The contact points of the last step; each call makes them anew."""
+        """The contact points of all steps since the last call, or since the reset; step 0 is the first of them."""
 
     def base_pose(self) -> np.ndarray:
         """Pose (7,) of the root link's frame in the world: place [m], unit quaternion x y z w."""

@@ -131,12 +131,12 @@ def _sole(robot: Robot, placements: Placements, joint: int) -> np.ndarray:
 
 def _landing_force(robot: Robot, motion: Motion, series: Series, kind: int, end: int) -> float:
     """Peak of the vertical force on a foot around its planned touch-down [N]; NaN where that was not reached."""
-    step = motion.footsteps[motion.footsteps[:, 5] == kind]
+    step = motion.footsteps.of_kind(kind)
     window = robot.simulation.landing_window
-    if len(step) == 0 or series.time[end - 1] < step[0, 0]:
+    if len(step) == 0 or series.time[end - 1] < step.time[0]:
         return float("nan")
-    wrench = series.left_wrench if step[0, 1] > 0 else series.right_wrench
-    near = np.abs(series.time[:end] - step[0, 0]) <= window + 1e-9
+    wrench = series.left_wrench if step.side[0] > 0 else series.right_wrench
+    near = np.abs(series.time[:end] - step.time[0]) <= window + 1e-9
     return float(wrench[:end][near, 2].max())
 
 

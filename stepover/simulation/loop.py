@@ -13,7 +13,7 @@ from stepover.model.pose import axes
 from stepover.motion.motion import Motion
 from stepover.simulation.commands import Commands
 from stepover.simulation.disturbances import Disturbances
-from stepover.simulation.engine import Contacts, Engine
+from stepover.simulation.engine import NO_CONTACTS, Engine
 from stepover.simulation.observers import Observer, Sample
 from stepover.simulation.touch import NOTHING, Touch, summed_up
 from stepover.simulation.trajectory import JointTrajectory
@@ -49,9 +49,8 @@ def carry_out(
     if floor:
         engine.set_ground(0, 0.0)
     fall: Fall | None = None
-    touch, torque, saturated = NOTHING, engine.torque, engine.saturated
-    k = 0
-    while True:
+    contacts, touch, torque, saturated = NO_CONTACTS, NOTHING, engine.torque, engine.saturated
+    for k in range(last + 1):
         base, (angles, speeds) = engine.base_pose(), engine.joints()
         commands.sense(touch)
         reason = has_fallen(parameters, base, motion.waist[k], touch) if k and not fall else None
@@ -59,40 +58,40 @@ def carry_out(
             fall = Fall(k, reason)
             last = min(last, k + round(parameters.after_fall / motion.dt)) if until is None else last
         q = np.concatenate([base, angles])
-        sample = Sample(k, last, q, speeds, torque, saturated, engine.bush(), touch, commands.estimate)
+        sample = Sample(k, last, q, speeds, torque, saturated, engine.bush(), contacts, touch, commands.estimate)
         for observer in observers:
             observer.sampled(sample)
         if k == last:
-            return fall
+            break
         for side, height in floor.get(k, ()):
             engine.set_ground(0 if side > 0 else 1, height)
-        touch, torque, saturated = _one_sample(engine, commands.trajectory(k + 1), motion.time[k], observers)
-        k += 1
+        trajectory = commands.trajectory(k + 1)
+        torque, saturated = _one_sample(engine, trajectory, motion.time[k], observers)
+        contacts = engine.contacts()
+        touch = summed_up(contacts, engine.links, len(trajectory))
+    return fall
 
 
 def _one_sample(
     engine: Engine, trajectory: JointTrajectory, time: float, observers: Sequence[Observer]
-) -> tuple[Touch, np.ndarray, np.ndarray]:
+) -> tuple[np.ndarray, np.ndarray]:
     """The time steps of a trajectory, which begins at a time [s].
 
     Returns:
-        Mean wrenches and findings, mean motor torques (J,), and which motors were saturated in any step.
+        Mean motor torques (J,), and which motors were saturated in any step.
     """
     disturbances, time_step = engine.scene.disturbances, engine.scene.robot.simulation.time_step
-    contacts: list[Contacts] = []
     torque, saturated = np.zeros(len(engine.torque)), np.zeros(len(engine.torque), dtype=bool)
     for step, (start, end, speed) in enumerate(trajectory):
         engine.command(start, end, speed)
         if disturbances.pushes:
             engine.push(disturbances.push(time + step * time_step))
         engine.step()
-        contacts.append(engine.contacts())
         for observer in observers:
-            observer.stepped(engine, contacts[-1])
+            observer.stepped(engine)
         torque += engine.torque
         saturated |= engine.saturated
-    steps = len(trajectory)
-    return summed_up(Contacts.joined(contacts), engine.links, steps), torque / steps, saturated
+    return torque / len(trajectory), saturated
 
 
 def has_fallen(parameters: Simulation, waist: np.ndarray, planned: np.ndarray, touch: Touch) -> str | None:
@@ -122,7 +121,7 @@ def floor_changes(motion: Motion, disturbances: Disturbances) -> dict[int, list[
     changes: dict[int, list[tuple[int, float]]] = {}
     if not heights.any():
         return changes
-    for (touch_down, side), height in zip(motion.footsteps[:, :2], heights, strict=True):
+    for touch_down, side, height in zip(motion.footsteps.time, motion.footsteps.side, heights, strict=True):
         landing = int(np.searchsorted(motion.time, touch_down - 1e-9))
         if landing == len(motion.time):
             continue  # a motion that was cut

@@ -24,7 +24,8 @@ class Sample:
         torque: (J,) of the motors [N m].
         saturated: (J,) whether a motor gave all its torque in any step.
         bush: (6,) deflections of the rubber, as Engine.bush gives them [m, rad].
-        touch: what touches the robot.
+        contacts: points of all the steps.
+        touch: what they come to.
         estimate: what a controller estimated last; None without one.
     """
 
@@ -35,6 +36,7 @@ class Sample:
     torque: np.ndarray
     saturated: np.ndarray
     bush: np.ndarray
+    contacts: Contacts
     touch: Touch
     estimate: Estimate | None
 
@@ -42,8 +44,8 @@ class Sample:
 class Observer:
     """Watches a simulation without changing it; one that needs less overrides less."""
 
-    def stepped(self, engine: Engine, contacts: Contacts) -> None:
-        """A time step has passed, with these contacts."""
+    def stepped(self, engine: Engine) -> None:
+        """A time step has passed; the engine's contacts are left for the sample."""
 
     def sampled(self, sample: Sample) -> None:
         """A sample has been reached, the first one included."""

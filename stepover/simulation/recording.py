@@ -6,6 +6,7 @@ import hashlib
 
 import numpy as np
 
+from stepover.model.parameters.planning import samples
 from stepover.motion.motion import Motion
 from stepover.simulation.engine import Engine
 from stepover.simulation.observers import Observer, Sample
@@ -33,14 +34,15 @@ class Recording(Observer):
 
     def __init__(self, motion: Motion, engine: Engine) -> None:
         """Make room for a motion in a world."""
-        samples, joints = len(motion.time), len(motion.joint_names)
-        self.bush_depth, self._age = engine.bush_depth, engine.scene.robot.stabilizer.age
-        self.q = np.zeros((samples, 7 + joints))
-        self.dq, self.torque = np.zeros((samples, joints)), np.zeros((samples, joints))
-        self.feet, self.total = np.zeros((samples, 2, 6)), np.zeros((samples, 6))
-        self.saturated, self.bush = np.zeros((samples, joints), dtype=bool), np.zeros((samples, 6))
-        self.believed_waist, self.believed_com = np.full((2, samples, 3), np.nan)
-        self.obstacle_depth = np.full(samples, np.nan)
+        count, joints = len(motion.time), len(motion.joint_names)
+        self.bush_depth = engine.bush_depth
+        self._age = samples(engine.scene.robot.stabilizer.age, motion.dt)
+        self.q = np.zeros((count, 7 + joints))
+        self.dq, self.torque = np.zeros((count, joints)), np.zeros((count, joints))
+        self.feet, self.total = np.zeros((count, 2, 6)), np.zeros((count, 6))
+        self.saturated, self.bush = np.zeros((count, joints), dtype=bool), np.zeros((count, 6))
+        self.believed_waist, self.believed_com = np.full((2, count, 3), np.nan)
+        self.obstacle_depth = np.full(count, np.nan)
         self.touched: tuple[int, list[str]] | None = None
         self.count = 0
 

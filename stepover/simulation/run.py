@@ -64,8 +64,9 @@ def simulate(
     disturbances = Disturbances.read(perturb or {}, motion)
     robot = load_robot(motion.robot) if robot is None else robot
     require_type("robot", robot, Robot, "load_robot(...)")
-    if list(motion.joint_names) != robot.body.joint_names:
-        raise InvalidInput(f"the motion is for {motion.robot!r}: its joints are not those of {robot.name!r}")
+    motion.require_robot(robot)
+    if len(motion.obstacles) > 1 or motion.obstacles[0, 6] != 0.0:
+        raise InvalidInput("the simulation takes one obstacle, square to the path; the motion has others")
     build, real = engine_named(engine), disturbances.obstacle(motion.obstacle)
     scene = Scene(robot, (real,) if obstacle else (), actuators, sole, disturbances)
     begin = time.perf_counter()

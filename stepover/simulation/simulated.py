@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from stepover.errors import InvalidInput
-from stepover.model.description import (
+from stepover.model.description.links import (
     BOX,
     ORIGIN,
     PRISMATIC,

@@ -107,5 +107,5 @@ def draw(motion: Motion, seed: int, number: int, ranges: Ranges = RANGES) -> Dra
         one(ranges.chest_com_x), one(ranges.obstacle_x),
         rounded(push * np.cos(direction), 6), rounded(push * np.sin(direction), 6),
         one((motion.time[0], motion.time[-1] - ranges.push_duration)), ranges.push_duration, one(ranges.late),
-        " ".join(str(one(ranges.ground)) for _ in motion.footsteps),
+        " ".join(str(one(ranges.ground)) for _ in range(len(motion.footsteps))),
     )  # fmt: skip

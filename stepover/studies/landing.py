@@ -7,7 +7,6 @@ soles, floor and control. The hash of each motion tells whether it is still plan
 from __future__ import annotations
 
 import dataclasses
-import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -123,9 +122,7 @@ def carry_out(point: Point) -> Row:
 
 def study(path: Path | None = None, build: Path | None = None, workers: int | None = None) -> Path:
     """Run or resume the study, and write its table: see make_table."""
-    files = [Path(__file__).with_name(f"landing{part}.py") for part in ("", "_control", "_force", "_settings")]
-    own = [hashlib.sha256(file.read_bytes()).hexdigest() for file in files]
-    return make_table(NAME, points(), carry_out, Landed, path, build, workers, own)
+    return make_table(NAME, points(), carry_out, Landed, path, build, workers)
 
 
 def read_table(path: Path | None = None) -> list[Landed]:

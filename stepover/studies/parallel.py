@@ -17,6 +17,7 @@ from typing import Any
 from joblib import Parallel, cpu_count, delayed, parallel_config
 
 from stepover.errors import InvalidInput, StepOverError
+from stepover.extras import needs
 
 Row = dict[str, Any]
 Work = Callable[[Any], Row]
@@ -61,10 +62,8 @@ def _cores(count: int, workers: int | None) -> Iterator[Parallel]:
 @contextmanager
 def _cluster(address: str) -> Iterator[Parallel]:
     """The workers of a Dask scheduler, which is left running."""
-    try:
+    with needs("a Dask cluster"):
         from distributed import Client
-    except ImportError as error:
-        raise InvalidInput("a Dask cluster needs the package distributed: pip install 'stepover[dask]'") from error
     start = "'dask scheduler' starts one, 'dask worker ADDRESS --nworkers -1 --nthreads 1' its workers"
     try:
         client = Client(address, timeout=PATIENCE, set_as_default=False)

@@ -119,10 +119,11 @@ def cross(point: Point) -> Row:
         motion, refused = _plan(robot, obstacle, point.epsilon)
     except Infeasible as error:
         return dataclasses.asdict(dataclasses.replace(row, planned=False, reason=error.constraint))
-    found = strategy(robot, motion)
+    found, key = strategy(robot, motion), motion.key_configuration
+    assert key is not None, "both planners have one"
     row = dataclasses.replace(
-        row, margin=rounded(motion.obstacle[3:5].min()), x_ads=rounded(motion.key_configuration[0]),
-        z_hds=rounded(motion.key_configuration[2]), duration=rounded(found.whole, 3), over=rounded(found.over, 3),
+        row, margin=rounded(motion.obstacle[3:5].min()), x_ads=rounded(key[0]),
+        z_hds=rounded(key[2]), duration=rounded(found.whole, 3), over=rounded(found.over, 3),
         double_support=rounded(found.double_support, 3), apart=rounded(found.apart, 6),
         planned_clearance=rounded(measure(robot, motion).clearance_min), not_with_margins=refused,
         motion=motion.hash(),

@@ -1,8 +1,8 @@
 """Long tables: many points, planned and simulated in parallel, resumable. `make studies` runs all of them.
 
-Each finished point is appended to a part file in build/, whose name carries a fingerprint of everything that the
-result depends on: the code of the planner and the physics, and the robot. So a study that is interrupted, or killed,
-goes on where it stopped, and one whose planner has changed begins anew. The table itself is written at the end, whole.
+Each finished point is appended to a part file. The file's name carries a fingerprint of everything that the rows
+depend on: the code that computes them, and the robot. So a study that was interrupted or killed goes on where it
+stopped, and one whose code has changed begins anew. At the end the table is written whole and the part file removed.
 A row is a frozen dataclass of plain values.
 """
 
@@ -22,44 +22,24 @@ from typing import Any, TypeVar
 
 from tqdm import tqdm
 
-from stepover import __version__
 from stepover.errors import InvalidInput
-from stepover.locations import checkout, data_folder
+from stepover.locations import checkout
 from stepover.model.robot import Robot
 from stepover.output import write_whole
 from stepover.robots.loading import load_robot
+from stepover.studies.fingerprint import fingerprint
 from stepover.studies.parallel import Row, Work, computed
 
 Kind = TypeVar("Kind")
-
-INDEPENDENT = ("cli", "reproduction", "report", "__main__.py")
-"""Code that no result depends on."""
-
-
-def fingerprint(robot: str, *more: object) -> str:
-    """Twelve digits that change with the code, the robot's files, or anything else that is named."""
-    package = Path(__file__).resolve().parents[1]
-    code = [path for path in package.rglob("*.py") if path.relative_to(package).parts[0] not in INDEPENDENT]
-    files = sorted(code) + _robot_files(robot)
-    digest = hashlib.sha256(repr(more).encode())
-    for path in files:
-        digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
-    return digest.hexdigest()[:12]
-
-
-def _robot_files(robot: str) -> list[Path]:
-    """Files of a robot by its name, or by the path of its robot.toml, which may lie among others."""
-    if Path(robot).suffix == ".toml":
-        found = robot_of(robot)
-        return [Path(robot), found.urdf_path]
-    return sorted(path for path in (data_folder() / robot).iterdir() if path.suffix != ".md")
 
 
 def make_table(
     name: str, points: Sequence[Any], work: Work, kind: type[Any], table: Path | None = None,
     build: Path | None = None, workers: int | str | None = None, more: Sequence[object] = (),
 ) -> Path:  # fmt: skip
-    """Run or resume a study, and write its table.
+    """Run or resume a study, write its table, and remove the part file.
+
+    Where the part file's folder is not the table's, a stamp stays in it, so that a finished study is not run again.
 
     Args:
         name: of the study.
@@ -69,16 +49,29 @@ def make_table(
         table: where it goes; figures/ unless given.
         build: folder of the part file; build/ unless given.
         workers: processes, or a Dask cluster, see run_study.
-        more: what else the part file's name carries in its fingerprint, beside robot, code and version.
+        more: what else the rows depend on, beside the code and the robot.
 
     Returns:
         The table's path.
     """
-    part = (build or checkout() / "build") / f"{name}-{fingerprint(points[0].robot, __version__, *more)}.part"
+    table, build = table or stored_table(name), build or checkout() / "build"
+    made_by = fingerprint(work, points[0].robot, *more)
+    stamp, stamped = build / f"{name}.stamp", table.parent != build
+    if stamped and stamp.is_file() and stamp.read_text() == _stamp(made_by, points, table):
+        return table
+    part = build / f"{name}-{made_by}.part"
     rows = run_study(points, work, part, workers=workers, name=name)
-    table = table or stored_table(name)
     write_rows([kind(**row) for row in rows], table)
+    part.unlink()
+    if stamped:
+        stamp.write_text(_stamp(made_by, points, table))
     return table
+
+
+def _stamp(made_by: str, points: Sequence[Any], table: Path) -> str:
+    """What tells a finished table: the fingerprint, its points, and the table itself; digests of the two."""
+    parts = repr(list(points)).encode(), table.read_bytes() if table.is_file() else b""
+    return " ".join([made_by, *(hashlib.sha256(part).hexdigest() for part in parts)])
 
 
 def stored_table(name: str) -> Path:
@@ -126,7 +119,7 @@ def rounded(value: float, digits: int = 5) -> float:
 def run_study(
     points: Sequence[Any], work: Work, part: Path, *, workers: int | str | None = None, name: str = "study"
 ) -> list[Row]:
-    """Rows of all points in their order; those that the part file has already are not computed again.
+    """Rows of all points in their order; those that the part file already has are not computed again.
 
     Args:
         points: what work takes, each with a repr of its own.

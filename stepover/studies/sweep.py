@@ -17,10 +17,9 @@ import numpy as np
 from stepover import __version__
 from stepover.errors import Infeasible
 from stepover.model.obstacle import Obstacle
-from stepover.planning.algorithm_1.planned import Plan
+from stepover.planning.algorithm_1.plan import Plan
 from stepover.planning.algorithm_1.planner import plan_in_detail
 from stepover.planning.checks import measure
-from stepover.simulation.run import simulate
 from stepover.studies.study import Row, make_table, read_rows, robot_of, rounded
 
 
@@ -115,6 +114,8 @@ def cross(point: Point) -> Row:
         return dataclasses.asdict(dataclasses.replace(row, reason=error.constraint))
     row = _planned(row, point, found)
     if point.physics:
+        from stepover.simulation.run import simulate  # here: plans alone need no PyBullet
+
         run = simulate(found.motion, robot=robot)
         row = dataclasses.replace(
             row, crossed=run.crossed, simulated_clearance=rounded(run.clearance_min), reason=run.explanation
@@ -126,8 +127,8 @@ def _planned(row: Crossing, point: Point, found: Plan) -> Crossing:
     """A row with what was planned."""
     measured, feet = measure(robot_of(point.robot), found.motion), found.adaptation
     return dataclasses.replace(
-        row, planned=True, beyond_paper_level=found.effort.level,
-        arm_swing_deg=rounded(np.degrees(found.upper.arm_swing), 2), foot_back=rounded(feet.shift),
+        row, planned=True, beyond_paper_level=found.options.level,
+        arm_swing_deg=rounded(np.degrees(found.nominal.upper.arm_swing), 2), foot_back=rounded(feet.shift),
         waist_raised=rounded(feet.raised), ankle_pushed=rounded(feet.pushed), x_ads=rounded(found.key.x_ads),
         x_hds=rounded(found.key.x_hds), z_hds=rounded(found.key.z_hds),
         planned_clearance=rounded(measured.clearance_min), zmp_margin=rounded(measured.zmp_margin_min),

@@ -11,8 +11,8 @@ from stepover.control.estimator import Estimate
 from stepover.control.sensors import Sensed
 from stepover.model.pose import from_matrices
 from stepover.model.robot import Robot
+from stepover.motion.footsteps import LEG_1
 from stepover.motion.motion import Motion
-from stepover.planning.algorithm_1.step_sequence import LEG_1
 from stepover.simulation.commands import Controller
 
 THRESHOLD = 50.0
@@ -46,9 +46,9 @@ class LandingControl:
 
     def __init__(self, robot: Robot, motion: Motion, inner: Controller, threshold: float = THRESHOLD) -> None:
         """Wrap what gives the commands; threshold [N]."""
-        step = motion.footsteps[motion.footsteps[:, 5] == LEG_1][0]
-        self._inner, self._motion, self._threshold, self._side = inner, motion, threshold, int(step[1])
-        self._touch_down = round((step[0] - motion.time[0]) / motion.dt)
+        step = motion.footsteps.of_kind(LEG_1)
+        self._inner, self._motion, self._threshold, self._side = inner, motion, threshold, int(step.side[0])
+        self._touch_down = round((step.time[0] - motion.time[0]) / motion.dt)
         self._from = (motion.samples(1).start + self._touch_down) // 2
         self._leg = robot.leg(self._side)
         self._release = robot.walk.double_support_over / motion.dt

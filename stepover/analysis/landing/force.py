@@ -20,9 +20,9 @@ from stepover.model.robot import Robot
 from stepover.motion.motion import Motion
 from stepover.simulation.commands import Controller, commands_of
 from stepover.simulation.disturbances import Disturbances
-from stepover.simulation.engine import DEFAULT, Contacts, Engine, Scene, engine_named
+from stepover.simulation.engine import DEFAULT, Engine, Scene, engine_named
 from stepover.simulation.loop import carry_out
-from stepover.simulation.observers import Observer
+from stepover.simulation.observers import Observer, Sample
 
 AVERAGED = 0.005
 """s: forces are means over this time."""
@@ -115,10 +115,14 @@ class LandingForce(Observer):
         self.raw: list[float] = []
         self.heights: list[float] = []
 
-    def stepped(self, engine: Engine, contacts: Contacts) -> None:
-        """Read force and height."""
-        self.raw.append(contacts.floor_force(self._foot)[2])
+    def stepped(self, engine: Engine) -> None:
+        """Read the height."""
         self.heights.append(engine.ankle(self._foot)[0][2])
+
+    def sampled(self, sample: Sample) -> None:
+        """Read the forces of the steps since the sample before."""
+        steps = range(len(self.heights) - len(self.raw))
+        self.raw += [sample.contacts.floor_force(self._foot, step)[2] for step in steps]
 
 
 def measured(time: np.ndarray, raw: np.ndarray, heights: np.ndarray, weight: float, fell: str = "") -> Landing:

@@ -12,7 +12,7 @@ from stepover.motion.motion import Motion
 
 @dataclass(frozen=True)
 class Setting:
-    """How a landing is simulated. Factors are of what robot.toml says.
+    """How a landing is simulated. Factors are of the robot's parameters.
 
     Attributes:
         sole, limited, stabilizer, control: as in land.

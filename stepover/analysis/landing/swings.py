@@ -1,7 +1,7 @@
 """Leg 1's swing, shaped and by a fourth-order polynomial, and whole motions with either. Sec. II-C, III-B, Fig. 3.
 
 The paper gives no formula for the polynomial. Here it begins and ends at rest on the floor and is as low as the
-margins allow; the foot goes the same way ahead as in the shaped swing, and stays level. With another swing, inverse
+margins allow; the foot follows the same path ahead as in the shaped swing, and stays level. With another swing, inverse
 kinematics and the dynamic filter run anew.
 """
 
@@ -17,20 +17,14 @@ from stepover.errors import InvalidInput
 from stepover.model.obstacle import Obstacle
 from stepover.model.pose import pose
 from stepover.model.robot import Robot
+from stepover.motion.footsteps import LEG_1
 from stepover.motion.motion import Motion
-from stepover.planning.algorithm_1.dynamic_filter import filtered_waist
-from stepover.planning.algorithm_1.feet_trajectories import (
-    FeetTrajectories,
-    Swing,
-    clamped_spline,
-    fourth_order,
-    leg_1_heights,
-    swing_of,
-)
-from stepover.planning.algorithm_1.planned import Effort, Plan
-from stepover.planning.algorithm_1.planner import algorithm_1, plan_in_detail, whole_body
-from stepover.planning.algorithm_1.step_sequence import LEG_1, StepSequence
-from stepover.planning.algorithm_1.upper_body import moved
+from stepover.planning.algorithm_1.feet_trajectories import Swing, fourth_order, leg_1_heights, swing_of
+from stepover.planning.algorithm_1.plan import Options, Plan
+from stepover.planning.algorithm_1.planner import algorithm_1, filter_pass, plan_in_detail, whole_body
+from stepover.planning.algorithm_1.step_sequence import Crossing
+from stepover.planning.splines import clamped_spline
+from stepover.planning.trajectories import FeetTrajectories, WaistAndFeet
 
 SHAPED, NAIVE, SAME_APEX = "shaped", "naive", "naive, apex of the shaped"
 PROFILES = (SHAPED, NAIVE, SAME_APEX)
@@ -75,10 +69,10 @@ def planned_in(robot: Robot, obstacle: Obstacle, swing_time: float | None = None
     if swing_time is None or swing_time == robot.walk.single_support_over:
         return found
     walk = dataclasses.replace(robot.walk, single_support_over=swing_time)
-    return algorithm_1(dataclasses.replace(robot, walk=walk), obstacle, found.key, Effort(found.effort.arms))
+    return algorithm_1(dataclasses.replace(robot, walk=walk), obstacle, found.key, Options(found.options.arms))
 
 
-def leg_1_swing(robot: Robot, obstacle: Obstacle, sequence: StepSequence, profile: str) -> Swing:
+def leg_1_swing(crossing: Crossing, profile: str) -> Swing:
     """Leg 1's swing in one of the PROFILES.
 
     Raises:
@@ -86,34 +80,32 @@ def leg_1_swing(robot: Robot, obstacle: Obstacle, sequence: StepSequence, profil
     """
     if profile not in PROFILES:
         raise InvalidInput(f"profile {profile!r} must be one of {', '.join(PROFILES)}")
-    step = sequence.step(LEG_1)
-    shaped = swing_of(robot, obstacle, sequence, step, robot.stepping_over)
+    step = crossing.sequence.step(LEG_1)
+    shaped = swing_of(crossing, step, crossing.robot.stepping_over)
     if profile == SHAPED:
         return shaped
-    share = np.linspace(0.0, 1.0, len(shaped.z))
-    low = lowest_apex(robot, obstacle, sequence.front_face, shaped.x, share)
-    return fourth_order(shaped, share, low if profile == NAIVE else float(shaped.z.max()))
+    apex = lowest_apex(crossing, shaped.x, step.share) if profile == NAIVE else float(shaped.z.max())
+    return fourth_order(shaped, step.share, apex)
 
 
-def lowest_apex(robot: Robot, obstacle: Obstacle, front_face: float, x: np.ndarray, share: np.ndarray) -> float:
+def lowest_apex(crossing: Crossing, x: np.ndarray, share: np.ndarray) -> float:
     """Least apex of a fourth-order swing that keeps a level sole out of the margins [m].
 
     Args:
-        robot: the robot.
-        obstacle: the obstacle with its margins.
-        front_face: where it stands [m].
+        crossing: robot, obstacle and steps.
         x: (n,) of the sole frame [m].
         share: (n,) of the swing's time.
     """
-    back, front, _, top = obstacle.profile(front_face, margins=True)
-    above = (x + robot.foot.toe > back + 1e-9) & (x - robot.foot.heel < front - 1e-9)
+    foot = crossing.robot.foot
+    back, front, _, top = crossing.limits.rectangle
+    above = (x + foot.toe > back + 1e-9) & (x - foot.heel < front - 1e-9)
     return float((top / (16.0 * share[above] ** 2 * (1.0 - share[above]) ** 2)).max())
 
 
-def profile_of(robot: Robot, obstacle: Obstacle, sequence: StepSequence, name: str) -> Profile:
+def profile_of(crossing: Crossing, name: str) -> Profile:
     """One of the PROFILES over time."""
-    swing = leg_1_swing(robot, obstacle, sequence, name)
-    time = robot.walk.sample_time * np.arange(len(swing.z))
+    swing = leg_1_swing(crossing, name)
+    time = crossing.robot.walk.sample_time * np.arange(len(swing.z))
     return Profile(name, time, swing.z, np.gradient(swing.z, time, edge_order=2), swing.pitch)
 
 
@@ -125,31 +117,31 @@ def landing_motion(robot: Robot, obstacle: Obstacle, profile: str, swing_time: f
         Infeasible: the legs do not reach, or the shaped motion in that time breaks a limit.
     """
     planned = planned_in(robot, obstacle, swing_time)
-    swing = leg_1_swing(robot, obstacle, planned.sequence, profile)
+    nominal = planned.nominal
+    swing = leg_1_swing(nominal.crossing, profile)
     if profile == SHAPED:
         return planned.motion
     step = planned.sequence.step(LEG_1)
-    feet = {side: planned.feet.foot(side).copy() for side in (1, -1)}
-    position = np.column_stack([swing.x, swing.y, swing.z])
-    feet[step.side][step.lift_off : step.touch_down + 1] = pose(position, 0.0, swing.pitch)
-    return with_feet(robot, planned, FeetTrajectories(feet[1], feet[-1]))
+    feet = {side: nominal.feet.foot(side).copy() for side in (1, -1)}
+    feet[step.side][step.swing] = pose(np.column_stack([swing.x, swing.y, swing.z]), 0.0, swing.pitch)
+    return with_feet(planned, FeetTrajectories(feet[1], feet[-1]))
 
 
-def with_feet(robot: Robot, planned: Plan, feet: FeetTrajectories) -> Motion:
+def with_feet(planned: Plan, feet: FeetTrajectories) -> Motion:
     """A plan's motion with other feet: steps 4 and 6 of Algorithm 1 anew, with as many passes of the filter.
 
     The footholds must stay. Where FTA had something to do, it is not done again.
     """
-    sequence, body, dt = planned.sequence, robot.body, planned.motion.dt
-    waist, upper = moved(planned.first_stage.waist, planned.upper.waist_shift), planned.upper.q
+    crossing, waist, upper = planned.nominal.crossing, planned.nominal.waist, planned.nominal.upper.q
     zmps = []
     for _ in range(planned.filter_passes):
-        zmps.append(body.zmp(whole_body(robot, waist, feet, upper, sequence.time), dt))
-        waist = filtered_waist(robot, waist, sequence.zmp, zmps[-1])
-    q = whole_body(robot, waist, feet, upper, sequence.time)
+        waist, zmp = filter_pass(crossing, WaistAndFeet(waist, feet), upper)
+        zmps.append(zmp)
+    body = crossing.robot.body
+    q = whole_body(crossing.robot, WaistAndFeet(waist, feet), upper, crossing.sequence.time)
     return dataclasses.replace(
         planned.motion, q=q, left_foot=feet.left, right_foot=feet.right, waist=waist,
-        com=body.com(body.placements(q)), zmp_first_stage=zmps[0], zmp=body.zmp(q, dt),
+        com=body.com(body.placements(q)), zmp_first_stage=zmps[0], zmp=body.zmp(q, planned.motion.dt),
     )  # fmt: skip
 
 

@@ -1,219 +1,201 @@
-"""What robot.toml says of the robot and to the planner, as frozen dataclasses: every field with its unit."""
+"""Parameters of Algorithm 1 and of the checks of a finished motion, as frozen dataclasses.
+
+The defaults are HRP-2's. Lengths of steps, lifts and waist heights scale with the leg, offsets of the ZMP with the part
+of the sole ahead of the ankle or behind it. What does not scale: shares and times; distances that keep an obstacle's
+margin or make up for coarse sampling; and the resolution of a search.
+"""
 
 from __future__ import annotations
 
-import types
 from dataclasses import dataclass
 
-Pair = tuple[float, float]
+from stepover.model.parameters.entry import MODEL, parameter
 
 
-@dataclass(frozen=True)
-class Legs:
-    """The joints of the legs, from the hip to the sole, and the knees among them."""
-
-    right: tuple[str, ...]
-    left: tuple[str, ...]
-    knee: tuple[str, ...]
-
-
-@dataclass(frozen=True)
-class Foot:
-    """The right foot, seen from the ankle; the left one mirrors y. All in m."""
-
-    ankle_height: float
-    sole_length: float
-    heel: float
-    toe: float
-    contact_x: Pair
-    contact_y: Pair
-
-
-@dataclass(frozen=True)
-class Outline:
-    """The leg of Fig. 1 in the knee's frame: (x ahead, z up along the shank), in m."""
-
-    front: tuple[Pair, ...]
-    rear: tuple[Pair, ...]
-
-
-@dataclass(frozen=True)
-class Posture:
-    """Half-sitting: where every motion begins and ends. Lengths in m, angles in degrees."""
-
-    waist_height: float
-    feet_apart: float
-    angles_deg: types.MappingProxyType[str, float]
-
-
-@dataclass(frozen=True)
-class UpperBody:
-    """Joints of the upper body that the planner moves, and how (Sec. III-D). Times as shares of a swing."""
-
-    chest_yaw: str
-    shoulders: tuple[str, ...]
-    arm_swing_max_deg: float
-    arm_swing_sizes: int
-    arms_start: float
-    arms_back: float
-    arms_forth: float
-    knee_spare_deg: float
+def samples(duration: float, dt: float) -> int:
+    """How many samples of dt [s] a duration [s] lasts: a whole number, at least one."""
+    return max(round(duration / dt), 1)
 
 
 @dataclass(frozen=True)
 class Walk:
-    """Timing in s, lengths in m (Sec. V)."""
+    """Steps and their timing (Sec. V)."""
 
-    sample_time: float
-    step_length: float
-    step_length_min: float
-    step_length_max: float
-    single_support: float
-    double_support: float
-    single_support_over: float
-    single_support_leg_2: float
-    double_support_over: float
-    standing: float
-    lift: float
+    sample_time: float = parameter(
+        0.005, "s", "of the plan", source="P [13]", least=2e-4, below=("double_support", "double_support_over")
+    )
+    step_length: float = parameter(0.20, "m", "normal step", source="P II-C", scale="leg")
+    step_length_min: float = parameter(
+        0.10, "m", "shortest stretched step before the obstacle", scale="leg", below=("step_length_max",)
+    )
+    step_length_max: float = parameter(0.25, "m", "longest stretched step before the obstacle", scale="leg")
+    single_support: float = parameter(0.78, "s", "normal step", source="P V")
+    double_support: float = parameter(0.02, "s", "normal step", source="P V", below=("single_support",))
+    single_support_over: float = parameter(1.5, "s", "step before the obstacle, leg 1, step after it", source="P V")
+    single_support_leg_2: float = parameter(1.5, "s", "leg 2", source="P V")
+    double_support_over: float = parameter(
+        0.04, "s", "of the steps over the obstacle", source="P V", below=("single_support_over",)
+    )
+    standing: float = parameter(
+        1.6, "s", "at rest before the first and after the last step: the preview window", source="D [13]"
+    )
+    lift: float = parameter(0.06, "m", "height of a normal step", scale="leg")
 
 
 @dataclass(frozen=True)
 class Feasibility:
-    """Search of the key configuration (Sec. III-A). Lengths in m, angles in degrees, delta_ds a factor."""
+    """Search of the key configuration (Sec. III-A)."""
 
-    delta_ds: float
-    knee_margin_deg: float
-    step_length_max: float
-    step_length_more: float
-    step_length_more_step: float
-    step_length_step: float
-    waist_height_min: float
-    waist_height_step: float
-    foothold_clearance: float
-    spare: float
-    waist_yaw_deg: float
+    delta_ds: float = parameter(0.5, "", "X_hds / X_ads, Eq. (22)", source="P III-A", most=1.0)
+    knee_margin_deg: float = parameter(
+        15.0, "deg", "knee from straight in the key configuration", source="P S2", scale="knee", sign="not negative"
+    )
+    step_length_max: float = parameter(0.60, "m", "longest X_ads tried", source="P S2", scale="leg")
+    step_length_more: float = parameter(
+        0.06, "m", "beyond the first X_ads, where the legs do not reach along the path", scale="leg"
+    )
+    step_length_more_step: float = parameter(0.01, "m", "resolution of these longer steps")
+    step_length_step: float = parameter(0.005, "m", "resolution of the search over X_ads", below=("step_length_max",))
+    waist_height_min: float = parameter(0.50, "m", "lowest Z_hds tried", scale="waist")
+    waist_height_step: float = parameter(0.005, "m", "resolution of the search over Z_hds")
+    foothold_clearance: float = parameter(
+        0.004, "m", "toe and heel beyond the margins: the upper edges of a pitched foot reach further",
+        sign="not negative",
+    )  # fmt: skip
+    spare: float = parameter(
+        0.003, "m", "distance beyond the margins: the waist moves on in the double support", sign="not negative"
+    )
+    waist_yaw_deg: float = parameter(
+        25.0, "deg", "turn of the waist that brings the leading hip ahead (III-C3)", source="P S2", sign="not negative"
+    )
 
 
 @dataclass(frozen=True)
 class SteppingOver:
-    """Shape of the feet trajectories (Sec. III-B). Times as shares of the single support, lengths in m."""
+    """Shape of the feet trajectories (Sec. III-B). Shares are of the single support."""
 
-    rest: float
-    leg1_rise: float
-    leg1_top: float
-    leg1_descent: float
-    leg1_extra_lift: float
-    leg1_pitch_deg: float
-    landing_points: int
-    leg2_rise: float
-    leg2_descent: float
-    leg2_descent_drop: float
-    leg2_held: int
-    leg2_pitch_start: float
-    leg2_pitch_full: float
-    leg2_pitch_per_height_deg: float
-    leg2_extra_lift: float
-    landing_step: float
+    rest: float = parameter(
+        0.05, "share", "x, y, yaw rest so long at the beginning and the end", source="P S2",
+        below=("leg1_rise", "leg2_rise"),
+    )  # fmt: skip
+    leg1_rise: float = parameter(
+        0.40, "share", "toe at the front margin, foot at the height of the obstacle with its margin", source="P S2",
+        below=("leg1_top",),
+    )  # fmt: skip
+    leg1_top: float = parameter(0.57, "share", "highest point", source="P S2", below=("leg1_descent",))
+    leg1_descent: float = parameter(
+        0.74, "share", "above the landing point, at the obstacle's height; then the landing shape", source="P S2"
+    )
+    leg1_extra_lift: float = parameter(
+        0.04, "m", "highest point above the obstacle with its margin", source="P S2", sign="not negative"
+    )
+    leg1_pitch_deg: float = parameter(-2.0, "deg", "heel first", source="P S2", sign="any")
+    landing_points: int = parameter(10, "count", "control points of the low-speed landing", source="P S2")
+    leg2_rise: float = parameter(0.20, "share", "toe before the front margin", source="P S2", below=("leg2_descent",))
+    leg2_descent: float = parameter(0.60, "share", "heel behind the rear margin", source="P S2")
+    leg2_descent_drop: float = parameter(
+        0.0, "share", "of the toe's drop that the foot has come down by then", sign="not negative"
+    )
+    leg2_held: int = parameter(4, "count", "control points that hold its height in between")
+    leg2_pitch_start: float = parameter(0.05, "share", "toe-down pitch begins", below=("leg2_pitch_full",))
+    leg2_pitch_full: float = parameter(
+        0.25, "share", "toe-down pitch reached: the shank is past the obstacle's edge", below=("leg2_descent",)
+    )
+    leg2_pitch_per_height_deg: float = parameter(
+        120.0, "deg/m", "toe-down pitch per height of the obstacle with its margin", source="P S2", sign="not negative"
+    )
+    leg2_extra_lift: float = parameter(
+        0.01, "m", "toe above the obstacle with its margin", source="P S2", sign="not negative"
+    )
+    landing_step: float = parameter(0.20, "m", "leg 2 lands so far ahead of leg 1", source="P S2", scale="leg")
 
 
 @dataclass(frozen=True)
 class Preview:
-    """Preview control (Sec. III-C2): window in samples, weights without unit, com_height in m, filter_fade in s."""
+    """Preview control and the dynamic filter (Sec. III-C2)."""
 
-    window: int
-    zmp_weight: float
-    jerk_weight: float
-    com_height: float
-    filter_passes_max: int
-    filter_fade: float
+    window: float = parameter(1.6, "s", "how far ahead the ZMP reference is known", source="P S1", most=10.0)
+    zmp_weight: float = parameter(1.0, "", "Q", source="P S1")
+    jerk_weight: float = parameter(1e-6, "", "R", source="P S1")
+    com_height: float = parameter(
+        0.814, "m", "z_c: centre of mass above the floor in half-sitting", source="P S1", scale=MODEL
+    )
+    filter_passes_max: int = parameter(4, "count", "passes of the filter, Eq. (19); one where nothing is adapted")
+    filter_fade: float = parameter(0.5, "s", "over which the filter comes in at the start")
 
 
 @dataclass(frozen=True)
 class Adaptor:
-    """Feet trajectory adaptor (Sec. III-E). Lengths in m, times as shares of the single support."""
+    """Feet trajectory adaptor (Sec. III-E). Shares are of leg 2's swing.
 
-    spare: float
-    look_every: int
-    shift_step: float
-    shift_max: float
-    shift_peak: float
-    raise_step: float
-    raise_max: float
-    raise_peak: float
-    push_max: float
-    push_step: float
-    push_total: float
-    push_rounds: int
-    push_width: float
-    push_taper: float
-    damping: float
-
-
-@dataclass(frozen=True)
-class Beyond:
-    """What is added beyond the paper where its own methods do not reach; lengths in m, times as shares.
-
-    Level n uses all of it with zmp_toe[n - 1]. waist_delay is in s.
+    Its distances answer to how deep a leg is inside the obstacle's margin, so they do not scale.
     """
 
-    zmp_toe: tuple[float, ...]
-    zmp_heel: float
-    zmp_heel_from: float
-    zmp_ahead: float
-    zmp_toe_at: float
-    zmp_heel_until: float
-    zmp_ahead_at: float
-    leg2_rise: float
-    leg2_descent: float
-    leg2_descent_drop: float
-    leg2_pitch_start: float
-    leg2_pitch_full: float
-    leg2_pitch_per_height_deg: float
-    waist_delay: float
+    spare: float = parameter(
+        0.0015, "m", "distance beyond the margin: the filter moves the waist afterwards", sign="not negative"
+    )
+    look_every: float = parameter(
+        0.025, "s", "between the postures that the search looks at; the checks look at all", most=0.2
+    )
+    shift_step: float = parameter(0.027, "m", "method (1): step of the search")
+    shift_max: float = parameter(0.405, "m", "method (1): largest shift")
+    shift_peak: float = parameter(0.22, "share", "method (1): where the shift is largest, a knot of its spline")
+    raise_step: float = parameter(0.01, "m", "method (2): step of the search")
+    raise_max: float = parameter(0.08, "m", "method (2): largest raise of the waist")
+    raise_peak: float = parameter(0.40, "share", "method (2): where the raise is largest, a knot of its spline")
+    push_max: float = parameter(0.01, "m", "method (3): deepest penetration that it corrects")
+    push_step: float = parameter(0.01, "m", "method (3): largest dS of a round; dS is small (III-E3)")
+    push_total: float = parameter(0.06, "m", "method (3): largest displacement of the ankle")
+    push_rounds: int = parameter(12, "count", "method (3): rounds")
+    push_width: float = parameter(0.20, "share", "over which a push is spread")
+    push_taper: float = parameter(0.10, "share", "over which a push grows after lift-off and fades before landing")
+    damping: float = parameter(0.02, "m", "of the inverse of J_s")
 
 
 @dataclass(frozen=True)
-class Verdict:
-    """What a planned motion must keep, or it is refused: degrees, m."""
+class BeyondPaper:
+    """What is added beyond the paper where its own methods do not reach.
 
-    knee_margin_deg: float
-    zmp_margin: float
-    self_look_every: int
+    Level n uses all of it with zmp_toe[n - 1]. The six values of leg 2 replace those of SteppingOver.
+    """
+
+    zmp_toe: tuple[float, ...] = parameter(
+        (0.062, 0.080), "m", "ZMP reference ahead of the ankle at the end of phase 1: level 1, level 2", scale="toe"
+    )
+    zmp_heel: float = parameter(0.062, "m", "ZMP reference behind the ankle when phase 3 begins", scale="heel")
+    zmp_heel_from: float = parameter(
+        0.0, "share", "of leg 2's swing from which it is there; 0: from lift-off", sign="not negative",
+        below=("zmp_heel_until",),
+    )  # fmt: skip
+    zmp_ahead: float = parameter(0.010, "m", "ZMP reference ahead of the ankle later in phase 3", scale="toe")
+    zmp_toe_at: float = parameter(0.50, "share", "of leg 1's swing from which zmp_toe is reached")
+    zmp_heel_until: float = parameter(
+        0.26, "share", "of leg 2's swing until which zmp_heel holds", below=("zmp_ahead_at",)
+    )
+    zmp_ahead_at: float = parameter(0.65, "share", "of leg 2's swing at which zmp_ahead is reached")
+    leg2_rise: float = parameter(0.25, "share", "toe before the front margin", below=("leg2_descent",))
+    leg2_descent: float = parameter(0.67, "share", "heel behind the rear margin")
+    leg2_descent_drop: float = parameter(
+        0.50, "share", "of the toe's drop that the foot has come down by then", sign="not negative"
+    )
+    leg2_pitch_start: float = parameter(0.088, "share", "toe-down pitch begins", below=("leg2_pitch_full",))
+    leg2_pitch_full: float = parameter(0.297, "share", "toe-down pitch reached", below=("leg2_descent",))
+    leg2_pitch_per_height_deg: float = parameter(
+        144.0, "deg/m", "toe-down pitch per height of the obstacle with its margin", sign="not negative"
+    )
+    waist_delay: float = parameter(
+        0.0, "s", "the waist is lowest so much later than the double support", sign="not negative"
+    )
 
 
 @dataclass(frozen=True)
-class QuasiStatic:
-    """The quasi-static baseline (Sec. II-A): lengths in m, times in s, angles in degrees, shares of a leg's way."""
+class Checks:
+    """What every finished motion must keep, or it is refused."""
 
-    clearance: float
-    com_ahead: float
-    com_behind: float
-    com_parts: int
-    step_length_step: float
-    waist_height_step: float
-    places: int
-    place_max: float
-    tries: int
-    knee_spare_deg: float
-    spare: float
-    search_rounds: int
-    rounds: int
-    look: int
-    raises: tuple[float, ...]
-    leg1_rise: float
-    leg1_descent: float
-    leg1_extra_lift: float
-    lower_from: float
-    lower_until: float
-    leg2_rise: float
-    leg2_descent: float
-    leg2_over: float
-    leg2_extra_lift: float
-    leg2_pitch_start: float
-    leg2_pitch_full: float
-    leg2_pitches_deg: tuple[float, ...]
-    leg2_backs: tuple[float, ...]
-    raise_from: float
-    raise_until: float
-    swing_time: float
-    swing_samples: int
+    knee_margin_deg: float = parameter(
+        5.0, "deg", "knee from straight along the whole motion", scale="knee", sign="not negative"
+    )
+    zmp_margin: float = parameter(0.015, "m", "ZMP inside the support polygon: what is safe on any sole")
+    self_look_every: float = parameter(
+        0.020, "s", "between the postures that are looked at for collisions of the robot with itself", most=0.2
+    )

@@ -17,7 +17,8 @@ import numpy as np
 
 from stepover.model.parameters.planning import SteppingOver
 from stepover.model.robot import Robot
-from stepover.planning.algorithm_1.step_sequence import LEG_1, LEG_2, StepSequence
+from stepover.motion.footsteps import LEG_1, LEG_2
+from stepover.planning.algorithm_1.step_sequence import StepSequence
 
 
 def extra_shape(robot: Robot, level: int) -> SteppingOver:

@@ -14,9 +14,10 @@ from scipy.interpolate import CubicHermiteSpline
 
 from stepover.model.pose import pose
 from stepover.model.robot import Robot
+from stepover.motion.footsteps import LEG_1, LEG_2
 from stepover.planning.algorithm_1.feasibility import KeyConfiguration
 from stepover.planning.algorithm_1.preview_control import CartMotion, kajita_gains, track
-from stepover.planning.algorithm_1.step_sequence import LEG_1, LEG_2, StepSequence
+from stepover.planning.algorithm_1.step_sequence import StepSequence
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,14 +14,13 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.ndimage import gaussian_filter1d, maximum_filter1d
 
-from stepover.errors import Infeasible, NoWay
-from stepover.model.obstacle import Obstacle
-from stepover.model.robot import Robot
-from stepover.planning.algorithm_1.adaptor_ways import best_way, displaced, limits, raise_waist, shift_back, waist_bump
-from stepover.planning.algorithm_1.feet_trajectories import FeetTrajectories
+from stepover.errors import Infeasible, TrailingLegBlocked
+from stepover.motion.footsteps import LEG_2
 from stepover.planning.algorithm_1.penetration import ankle_displacements
-from stepover.planning.algorithm_1.step_sequence import LEG_2, StepSequence
-from stepover.planning.leg_check import check_legs, leg_is_free, leg_shapes
+from stepover.planning.algorithm_1.shift_and_raise import best_candidate, displaced, raise_waist, shift_back, waist_bump
+from stepover.planning.algorithm_1.step_sequence import Crossing
+from stepover.planning.leg_check import check_legs, leg_is_free
+from stepover.planning.trajectories import FeetTrajectories, WaistAndFeet
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,8 +35,8 @@ class Adaptation:
         pushed: method (3), largest displacement of the ankle [m].
         start, end: first and last time at which anything differs [s], NaN if nothing does.
         clear: whether the legs are free, within reach and limits along phase 3.
-        inside: how deep methods (1) and (2) leave the trailing leg inside [m], by few samples at least that, where it
-            is more than method (3) is for; infinity where no way is within reach and limits; else 0.
+        inside: penetration left after methods (1) and (2) [m], where it exceeds what method (3) can correct; a lower
+            bound from coarse sampling. Infinity where no candidate is within reach and limits; else 0.
     """
 
     feet: FeetTrajectories
@@ -55,22 +54,21 @@ class Adaptation:
         """Whether anything was adapted."""
         return max(self.shift, self.raised, self.pushed) > 0.0
 
-    def still_clear(self, robot: Robot, obstacle: Obstacle, sequence: StepSequence, waist: np.ndarray) -> bool:
+    def still_clear(self, crossing: Crossing, waist: np.ndarray) -> bool:
         """Whether the adapted feet are free under another waist (N, 7), raised already: then FTA has nothing left."""
-        return _clear(robot, obstacle, sequence, waist, self.feet)
+        return _clear(crossing, WaistAndFeet(waist, self.feet))
 
-    def refusal(self, robot: Robot, obstacle: Obstacle, sequence: StepSequence, waist: np.ndarray) -> Infeasible:
-        """What to raise where it is not clear, for the waist (N, 7) given; NoWay where too much is left for (3)."""
+    def refusal(self, crossing: Crossing, waist: np.ndarray) -> Infeasible:
+        """What to raise where it is not clear, for the waist that was given to adapt_feet (N, 7)."""
         if self.inside > 0.0:
-            return NoWay(self.inside, lambda: self.explain(robot, obstacle, sequence, waist))
-        return self.explain(robot, obstacle, sequence, waist)
+            return TrailingLegBlocked(self.inside, lambda: self.explain(crossing, waist))
+        return self.explain(crossing, waist)
 
-    def explain(self, robot: Robot, obstacle: Obstacle, sequence: StepSequence, waist: np.ndarray) -> Infeasible:
+    def explain(self, crossing: Crossing, waist: np.ndarray) -> Infeasible:
         """What remains where it is not clear: the link, the depth and when."""
+        robot, sequence = crossing.robot, crossing.sequence
         step, lifted = sequence.step(LEG_2), raise_waist(robot, sequence, waist, self.raised)
-        swing = slice(step.lift_off, step.touch_down + 1)
-        soles = self.feet.left[swing], self.feet.right[swing]
-        check = check_legs(robot, lifted[swing], *soles, *limits(robot, obstacle, sequence), up_to=0.0)
+        check = check_legs(robot, WaistAndFeet(lifted, self.feet).at(step.swing), crossing.limits, up_to=0.0)
         worst = int(np.argmin(check.separation))
         if check.separation[worst] >= 0.0:
             worst = int(np.argmin(np.where(check.reach > 0.0, -1e3 * check.reach, check.limit)))
@@ -78,10 +76,10 @@ class Adaptation:
             folded = f"a leg's joint is {past:.1f} degrees past its limit"
             what = f"a sole is {over:.1f} mm out of reach" if over > 0.0 else folded
         else:
-            link, short = leg_shapes(robot)[check.shape[worst]].link, float(-check.separation[worst])
+            link, short = robot.shapes[check.shape[worst]].link, float(-check.separation[worst])
             what = f"{link} stays {1e3 * short:.1f} mm inside the obstacle's safety margin"
         when = f"t = {sequence.time[step.lift_off + worst]:.3f} s (phase 3)"
-        return Infeasible(f"FTA finds no way: {what} at {when}", short=short)
+        return Infeasible(f"FTA cannot free the trailing leg: {what} at {when}", short=short)
 
 
 METHODS = (1, 2, 3)
@@ -90,78 +88,63 @@ SETTLED = 1e-4
 """Method (3) ends where a round would move the ankle by less [m]: next to nothing of what is to spare."""
 
 
-def adapt_feet(
-    robot: Robot,
-    obstacle: Obstacle,
-    sequence: StepSequence,
-    waist: np.ndarray,
-    feet: FeetTrajectories,
-    methods: tuple[int, ...] = METHODS,
-) -> Adaptation:
+def adapt_feet(crossing: Crossing, poses: WaistAndFeet, methods: tuple[int, ...] = METHODS) -> Adaptation:
     """Adapt the trailing leg until it is free: step 7 of Algorithm 1.
 
     Args:
-        robot: the robot.
-        obstacle: the obstacle with its margins.
-        sequence: the steps.
-        waist: (N, 7) waist after the dynamic filter.
-        feet: trajectories of FTG.
+        crossing: robot, obstacle and steps.
+        poses: waist after the dynamic filter, feet of FTG.
         methods: which of the three may be used.
     """
-    adaptor, step = robot.adaptor, sequence.step(LEG_2)
-    if _clear(robot, obstacle, sequence, waist, feet):
+    robot, sequence, adaptor = crossing.robot, crossing.sequence, crossing.robot.adaptor
+    waist, feet, step = poses.waist, poses.feet, sequence.step(LEG_2)
+    if _clear(crossing, poses):
         return Adaptation(feet, np.zeros(len(waist)), 0.0, 0.0, 0.0, np.nan, np.nan, clear=True)
     shifts = np.arange(0.0, adaptor.shift_max + 1e-9, adaptor.shift_step) if 1 in methods else np.zeros(1)
     raises = np.arange(0.0, adaptor.raise_max + 1e-9, adaptor.raise_step) if 2 in methods else np.zeros(1)
     hopeless = -adaptor.push_max if 3 in methods else -np.inf
-    free_by, shift, height = best_way(robot, obstacle, sequence, waist, feet, raises, shifts, hopeless)
+    free_by, shift, height = best_candidate(crossing, poses, raises, shifts, hopeless)
     lifted = raise_waist(robot, sequence, waist, height)
     shifted = shift_back(robot, feet, step, shift) if shift > 0.0 else feet
     push = 3 in methods and hopeless < free_by < adaptor.spare
-    adapted = push_ankle(robot, obstacle, sequence, lifted, shifted) if push else shifted
+    adapted = push_ankle(crossing, WaistAndFeet(lifted, shifted)) if push else shifted
     pushed = np.linalg.norm(adapted.foot(step.side)[:, :3] - shifted.foot(step.side)[:, :3], axis=1).max()
     bump = waist_bump(robot, sequence, height)
     changed = np.abs(adapted.foot(step.side) - feet.foot(step.side)).max(axis=1) + bump > 1e-9
     when = sequence.time[changed]
     span = (float(when[0]), float(when[-1])) if changed.any() else (np.nan, np.nan)
     inside = -free_by if free_by <= hopeless else 0.0
-    clear = inside == 0.0 and _clear(robot, obstacle, sequence, lifted, adapted)
+    clear = inside == 0.0 and _clear(crossing, WaistAndFeet(lifted, adapted))
     return Adaptation(adapted, bump, shift, height, float(pushed), *span, clear, inside)
 
 
-def push_ankle(
-    robot: Robot, obstacle: Obstacle, sequence: StepSequence, waist: np.ndarray, feet: FeetTrajectories
-) -> FeetTrajectories:
+def push_ankle(crossing: Crossing, poses: WaistAndFeet) -> FeetTrajectories:
     """Method (3): the controller on the penetration distance, Eqs. (23)-(25), until hardly anything penetrates.
 
     Each round computes the ankle's displacement at every colliding sample, spreads the largest smoothly over the
     neighbouring ones, and moves the foot with it, its orientation kept.
     """
-    step, adaptor = sequence.step(LEG_2), robot.adaptor
-    swing = slice(step.lift_off, step.touch_down + 1)
-    share = np.linspace(0.0, 1.0, step.touch_down - step.lift_off + 1)
-    window = np.minimum(1.0, np.minimum(share, 1.0 - share) / adaptor.push_taper)
+    step, adaptor, feet = crossing.sequence.step(LEG_2), crossing.robot.adaptor, poses.feet
+    window = np.minimum(1.0, np.minimum(step.share, 1.0 - step.share) / adaptor.push_taper)
     window = window**2 * (3.0 - 2.0 * window)
-    width = adaptor.push_width * len(share)
-    start = feet
+    width = adaptor.push_width * len(window)
+    waist, rectangle = poses.waist[step.swing], crossing.limits.rectangle
     for _ in range(adaptor.push_rounds):
-        rectangle = obstacle.profile(sequence.front_face, margins=True)
-        push = ankle_displacements(robot, step.side, waist[swing], feet.foot(step.side)[swing], rectangle, adaptor)
+        push = ankle_displacements(crossing.robot, step.side, waist, feet.foot(step.side)[step.swing], rectangle)
         if np.abs(push).max() < SETTLED:
             break
-        ahead, back = (maximum_filter1d(np.maximum(way, 0.0), int(width) | 1, axis=0) for way in (push, -push))
+        ahead, back = (maximum_filter1d(np.maximum(part, 0.0), int(width) | 1, axis=0) for part in (push, -push))
         spread = gaussian_filter1d(ahead - back, width / 3.0, axis=0)
         further = displaced(feet, step, spread * window[:, None])
-        if np.abs(further.foot(step.side)[:, :3] - start.foot(step.side)[:, :3]).max() > adaptor.push_total:
+        total = further.foot(step.side)[:, :3] - poses.feet.foot(step.side)[:, :3]
+        if np.abs(total).max() > adaptor.push_total:
             break
         feet = further
     return feet
 
 
-def _clear(robot: Robot, obstacle: Obstacle, sequence: StepSequence, waist: np.ndarray, feet: FeetTrajectories) -> bool:
+def _clear(crossing: Crossing, poses: WaistAndFeet) -> bool:
     """Whether both legs are free along phase 3, within reach and limits; first the trailing, likelier to fail."""
-    step, asked = sequence.step(LEG_2), limits(robot, obstacle, sequence)
-    swing = slice(step.lift_off, step.touch_down + 1)
-    return all(
-        leg_is_free(robot, side, waist[swing], feet.foot(side)[swing], *asked).all() for side in (step.side, -step.side)
-    )
+    step = crossing.sequence.step(LEG_2)
+    over, limits = poses.at(step.swing), crossing.limits
+    return all(leg_is_free(crossing.robot, side, over, limits).all() for side in (step.side, -step.side))

@@ -11,13 +11,15 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from stepover.model.obstacle import Obstacle
 from stepover.model.parameters.planning import SteppingOver
 from stepover.model.pose import pose
 from stepover.model.robot import Robot
-from stepover.planning.algorithm_1.step_sequence import LEG_1, LEG_2, Step, StepSequence
+from stepover.motion.footsteps import LEG_1, LEG_2
+from stepover.planning.algorithm_1.step_sequence import Crossing, Step
+from stepover.planning.splines import clamped_spline, landing
+from stepover.planning.trajectories import FeetTrajectories
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,30 +37,14 @@ class Swing:
     pitch: np.ndarray
 
 
-@dataclass(frozen=True, eq=False)
-class FeetTrajectories:
-    """Sole poses (N, 7) of both feet over the motion: L(t) and R(t) of Algorithm 1."""
-
-    left: np.ndarray
-    right: np.ndarray
-
-    def foot(self, side: int) -> np.ndarray:
-        """Poses of a side: +1 left, -1 right."""
-        return self.left if side > 0 else self.right
-
-
-def feet_trajectories(
-    robot: Robot, obstacle: Obstacle, sequence: StepSequence, shape: SteppingOver | None = None
-) -> FeetTrajectories:
+def feet_trajectories(crossing: Crossing, shape: SteppingOver | None = None) -> FeetTrajectories:
     """Trajectories of both feet: second half of step 2 of Algorithm 1.
 
     Args:
-        robot: the robot.
-        obstacle: the obstacle with its margins.
-        sequence: the steps.
+        crossing: robot, obstacle and steps.
         shape: of the swings over the obstacle; None: the robot's own.
     """
-    shape = shape or robot.stepping_over
+    shape, sequence = shape or crossing.robot.stepping_over, crossing.sequence
     feet = {}
     for side in (1, -1):
         own = [step for step in sequence.steps if step.side == side]
@@ -66,37 +52,20 @@ def feet_trajectories(
         pitch = np.zeros(len(sequence.time))
         position[:, :2] = own[0].start
         for step in own:
-            moving = slice(step.lift_off, step.touch_down + 1)
-            swing = swing_of(robot, obstacle, sequence, step, shape)
-            position[moving] = np.column_stack([swing.x, swing.y, swing.z])
-            pitch[moving] = swing.pitch
+            swing = swing_of(crossing, step, shape)
+            position[step.swing] = np.column_stack([swing.x, swing.y, swing.z])
+            pitch[step.swing] = swing.pitch
             position[step.touch_down :] = [*step.end, 0.0]
         feet[side] = pose(position, 0.0, pitch)
     return FeetTrajectories(feet[1], feet[-1])
 
 
-def swing_of(robot: Robot, obstacle: Obstacle, sequence: StepSequence, step: Step, shape: SteppingOver) -> Swing:
+def swing_of(crossing: Crossing, step: Step, shape: SteppingOver) -> Swing:
     """Swing of one step, at the samples from lift-off to touch-down, both included."""
-    share = np.linspace(0.0, 1.0, step.touch_down - step.lift_off + 1)
     if step.kind not in (LEG_1, LEG_2):
-        return _normal(robot, step, share)
+        return _normal(crossing.robot, step)
     over = _leg_1 if step.kind == LEG_1 else _leg_2
-    return over(robot, obstacle, sequence.front_face, step, share, shape)
-
-
-def clamped_spline(knots: list[tuple[float, float]], at: np.ndarray) -> np.ndarray:
-    """Cubic spline through (time, value) knots with zero speed at both ends, at rest beyond them."""
-    times, values = np.array(sorted(knots)).T
-    if len(times) == 2:  # one cubic, quicker said than solved for
-        share = np.clip((at - times[0]) / (times[1] - times[0]), 0.0, 1.0)
-        return np.asarray(values[0] + (values[1] - values[0]) * share**2 * (3.0 - 2.0 * share))
-    return np.asarray(CubicSpline(times, values, bc_type="clamped")(np.clip(at, times[0], times[-1])))
-
-
-def landing(start: float, value: float, end: float, target: float, points: int) -> list[tuple[float, float]]:
-    """Knots whose speed falls linearly to zero: from (start, value), excluded, to (end, target), included."""
-    rest = 1.0 - np.arange(1, points + 1) / points
-    return [(end - (end - start) * r, target + (value - target) * r**2) for r in rest]
+    return over(crossing, step, shape)
 
 
 def fourth_order(swing: Swing, share: np.ndarray, apex: float) -> Swing:
@@ -106,7 +75,7 @@ def fourth_order(swing: Swing, share: np.ndarray, apex: float) -> Swing:
     z = 16 apex s^2 (1 - s)^2. The planner does not use it; the notebook `landing_impact` does.
 
     Args:
-        swing: whose way x, y it takes.
+        swing: whose horizontal path x, y it takes.
         share: (n,) of the swing's time that has passed, 0 to 1.
         apex: height in the middle [m].
     """
@@ -120,8 +89,9 @@ def leg_1_heights(obstacle: Obstacle, shape: SteppingOver) -> list[tuple[float, 
     return [(0.0, 0.0), *over, *landing(shape.leg1_descent, top, 1.0, 0.0, shape.landing_points)]
 
 
-def _normal(robot: Robot, step: Step, share: np.ndarray) -> Swing:
+def _normal(robot: Robot, step: Step) -> Swing:
     """A step on flat ground: up and down, and forward between the rests."""
+    share = step.share
     up, ahead = _normal_shape(robot.stepping_over.rest, len(share))
     x = step.start[0] + (step.end[0] - step.start[0]) * ahead
     return Swing(x, np.full_like(share, step.start[1]), robot.walk.lift * up, np.zeros_like(share))
@@ -137,11 +107,11 @@ def _normal_shape(rest: float, count: int) -> tuple[np.ndarray, np.ndarray]:
     return up, ahead
 
 
-def _leg_1(
-    robot: Robot, obstacle: Obstacle, front_face: float, step: Step, share: np.ndarray, shape: SteppingOver
-) -> Swing:
+def _leg_1(crossing: Crossing, step: Step, shape: SteppingOver) -> Swing:
     """The leading leg: above the landing point before it descends, heel first."""
-    before = front_face - obstacle.margin_width - robot.foot.toe - robot.feasibility.foothold_clearance
+    robot, obstacle, share = crossing.robot, crossing.obstacle, step.share
+    front_face, spare = crossing.sequence.front_face, robot.feasibility.foothold_clearance
+    before = front_face - obstacle.margin_width - robot.foot.toe - spare
     x = [(shape.rest, step.start[0]), (shape.leg1_rise, before), (shape.leg1_descent, step.end[0])]
     z, pitch = _leg_1_shape(obstacle, shape, len(share))
     return Swing(clamped_spline(x, share), np.full_like(share, step.start[1]), z, pitch)
@@ -159,11 +129,10 @@ def _leg_1_shape(obstacle: Obstacle, shape: SteppingOver, count: int) -> tuple[n
     return z, pitch
 
 
-def _leg_2(
-    robot: Robot, obstacle: Obstacle, front_face: float, step: Step, share: np.ndarray, shape: SteppingOver
-) -> Swing:
+def _leg_2(crossing: Crossing, step: Step, shape: SteppingOver) -> Swing:
     """The trailing leg: toe down from before the front margin to behind the rear one."""
-    spare = robot.feasibility.foothold_clearance
+    robot, obstacle, share = crossing.robot, crossing.obstacle, step.share
+    front_face, spare = crossing.sequence.front_face, robot.feasibility.foothold_clearance
     before = front_face - obstacle.margin_width - robot.foot.toe - spare
     behind = front_face + obstacle.width + obstacle.margin_width + robot.foot.heel + spare
     x = [(shape.rest, step.start[0]), (shape.leg2_rise, before), (shape.leg2_descent, behind)]

@@ -7,36 +7,52 @@ the waist's frame, the ankle moves by dP = J_p J_s^+ dS, which is then turned in
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from stepover.model import pose
 from stepover.model.collision import Shape, profile
 from stepover.model.legs import Leg
-from stepover.model.parameters.planning import Adaptor
 from stepover.model.robot import Robot
 
 
+class PointsOnLeg(NamedTuple):
+    """A point of a leg at each of N postures.
+
+    Attributes:
+        waist: (N, 7) poses.
+        angles: (N, 6) joint angles of the leg [rad].
+        point: (N, 3) in the world [m].
+        joint: (N,) index of the joint whose link the point is on: 2 thigh, 3 shank, 4 or 5 foot.
+    """
+
+    waist: np.ndarray
+    angles: np.ndarray
+    point: np.ndarray
+    joint: np.ndarray
+
+
 def ankle_displacements(
-    robot: Robot, side: int, waist: np.ndarray, sole: np.ndarray, rectangle: np.ndarray, adaptor: Adaptor
+    robot: Robot, side: int, waist: np.ndarray, sole: np.ndarray, rectangle: np.ndarray
 ) -> np.ndarray:
     """Displacements (N, 3) [m] of the ankle, in the world, that take the leg out of the rectangle; 0 where it is free.
 
     Args:
-        robot: the robot.
+        robot: the robot; its adaptor says how far beyond the boundary to go, the largest dS and the damping.
         side: of the leg, +1 left, -1 right.
         waist: (N, 7) poses.
         sole: (N, 7) poses.
         rectangle: x_min, x_max, z_min, z_max (4,) [m] that must stay free.
-        adaptor: how much further than the boundary to go, the largest dS of one round, and the damping.
     """
-    leg = robot.leg(side)
+    leg, adaptor = robot.leg(side), robot.adaptor
     angles, _ = leg.attempt(waist, sole)
     q = np.tile(robot.half_sitting(), (len(waist), 1))
     q[:, :7], q[:, leg.columns] = waist, angles
     placements = robot.body.placements(q, leg.joints)
     joints = [robot.body.index(joint) for joint in leg.joints]
     depth, point, order = np.zeros(len(waist)), np.zeros((len(waist), 3)), np.zeros(len(waist), dtype=int)
-    for shape in (shape for shape in robot.shapes if shape.joint in joints):
+    for shape in (robot.shapes[k] for k in robot.leg_shapes[side]):
         dx, where = horizontal_depth(profile(shape, placements), rectangle, adaptor.spare)
         dx = np.clip(dx, -adaptor.push_step, adaptor.push_step)  # dS is small, or the Jacobians say nothing
         deeper = np.abs(dx) > np.abs(depth)
@@ -45,37 +61,30 @@ def ankle_displacements(
         depth[deeper], order[deeper] = dx[deeper], joints.index(shape.joint)
     displacement, inside = np.zeros((len(waist), 3)), np.flatnonzero(depth)
     push = np.outer(depth[inside], [1.0, 0.0, 0.0])
-    there = waist[inside], angles[inside], point[inside], order[inside]
-    displacement[inside] = displace(leg, *there, push, adaptor.damping)
+    deepest = PointsOnLeg(waist[inside], angles[inside], point[inside], order[inside])
+    displacement[inside] = displace(leg, deepest, push, adaptor.damping)
     return displacement
 
 
-def displace(
-    leg: Leg, waist: np.ndarray, angles: np.ndarray, point: np.ndarray, joint: np.ndarray, push: np.ndarray,
-    damping: float,
-) -> np.ndarray:  # fmt: skip
+def displace(leg: Leg, points: PointsOnLeg, push: np.ndarray, damping: float) -> np.ndarray:
     """Eq. (25): displacements (N, 3) of the ankle, in the world, that move points of the leg by push (N, 3).
 
     Args:
         leg: the leg.
-        waist: (N, 7) poses.
-        angles: (N, 6) joint angles [rad].
-        point: (N, 3) the points, in the world [m].
-        joint: (N,) index of the joint whose link the point is on: 2 thigh, 3 shank, 4 or 5 foot.
+        points: N points of it.
         push: (N, 3) dS, in the world [m].
         damping: of the inverse [m]; where a thigh's point leaves the knee's column empty, rank is lost.
     """
-    j_s, j_p = jacobians(leg, waist, angles, point, joint)
-    to_world, back = pose.rotation(waist), np.swapaxes(j_s, 1, 2)
+    j_s, j_p = jacobians(leg, points)
+    to_world, back = pose.rotation(points.waist), np.swapaxes(j_s, 1, 2)
     wanted = np.swapaxes(to_world, 1, 2) @ push[..., None]
     motion = back @ np.linalg.solve(j_s @ back + damping**2 * np.eye(3), wanted)
     return np.asarray((to_world @ (j_p @ motion))[..., 0])
 
 
-def jacobians(
-    leg: Leg, waist: np.ndarray, angles: np.ndarray, point: np.ndarray, joint: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
+def jacobians(leg: Leg, points: PointsOnLeg) -> tuple[np.ndarray, np.ndarray]:
     """J_s and J_p (N, 3, 4) of Eqs. (23) and (24) in the waist's frame, over the joints between waist and ankle."""
+    waist, angles, point, joint = points
     ankle, axes, centres = leg.joint_frames(waist, angles)
     to_waist = np.swapaxes(pose.rotation(waist), 1, 2)
     columns = []
@@ -95,7 +104,7 @@ def horizontal_depth(corners: np.ndarray, rectangle: np.ndarray, spare: float) -
         spare: how much further to go [m].
 
     Returns:
-        Signed way (N,) [m], the shorter one of back (negative) and ahead, 0 where the profile is free; and the
+        Signed distance (N,) [m], the shorter one of back (negative) and ahead, 0 where the profile is free; and the
         profile's point (N, 2) that lies deepest.
     """
     x_min, x_max, _, top = rectangle

@@ -20,7 +20,7 @@ from scipy.linalg import solve_discrete_are
 from scipy.linalg.lapack import dtbtrs
 
 from stepover.model.gravity import GRAVITY
-from stepover.model.parameters.planning import Preview
+from stepover.model.parameters.planning import Preview, samples
 
 
 class Gains(NamedTuple):
@@ -70,8 +70,8 @@ def kajita_gains(preview: Preview, dt: float) -> Gains:
     scale = 1.0 / (preview.jerk_weight + (command.T @ cost @ command).item())
     feedback = scale * (command.T @ cost @ augmented)[0]
     closed = augmented - command @ feedback[None]
-    ahead, costate = np.empty(preview.window), cost[:, 0] * preview.zmp_weight
-    for j in range(preview.window):
+    ahead, costate = np.empty(samples(preview.window, dt)), cost[:, 0] * preview.zmp_weight
+    for j in range(len(ahead)):
         ahead[j] = scale * (command[:, 0] @ costate)
         costate = closed.T @ costate
     return Gains(float(feedback[0]), feedback[1:], ahead)
@@ -90,9 +90,10 @@ def wieber_matrices(window: int, dt: float, com_height: float) -> tuple[np.ndarr
 @lru_cache(maxsize=16)
 def wieber_gains(preview: Preview, dt: float) -> Gains:
     """First row of Eq. (18): the jerk that minimises Eq. (17) over the window, as feedback and preview."""
-    p_x, p_u = wieber_matrices(preview.window, dt, preview.com_height)
+    window = samples(preview.window, dt)
+    p_x, p_u = wieber_matrices(window, dt, preview.com_height)
     ratio = preview.jerk_weight / preview.zmp_weight
-    first = np.linalg.solve(p_u.T @ p_u + ratio * np.eye(preview.window), p_u.T)[0]
+    first = np.linalg.solve(p_u.T @ p_u + ratio * np.eye(window), p_u.T)[0]
     return Gains(0.0, first @ p_x, first)
 
 

@@ -15,10 +15,9 @@ import numpy as np
 from stepover.errors import Infeasible
 from stepover.model.obstacle import Obstacle
 from stepover.model.robot import Robot
+from stepover.motion.footsteps import AFTER, BEFORE, LEG_1, LEG_2, NORMAL
 from stepover.planning.algorithm_1.feasibility import KeyConfiguration
-
-NORMAL, BEFORE, LEG_1, LEG_2, AFTER = range(5)
-"""Kinds of steps, as stored in a motion's footsteps."""
+from stepover.planning.leg_check import LegLimits
 
 
 @dataclass(frozen=True)
@@ -27,7 +26,7 @@ class Step:
 
     Attributes:
         side: of the swing foot, +1 left, -1 right.
-        kind: NORMAL, BEFORE, LEG_1, LEG_2 or AFTER.
+        kind: motion.footsteps.Kind.
         start, end: footholds (2,) of the ankle's projection [m].
         lift_off, touch_down: first sample of the swing, first sample on the ground again.
     """
@@ -38,6 +37,16 @@ class Step:
     end: tuple[float, float]
     lift_off: int
     touch_down: int
+
+    @property
+    def swing(self) -> slice:
+        """Samples from lift-off to touch-down, both included."""
+        return slice(self.lift_off, self.touch_down + 1)
+
+    @property
+    def share(self) -> np.ndarray:
+        """Share of the swing's time that has passed at each of these samples, 0 to 1."""
+        return np.linspace(0.0, 1.0, self.touch_down - self.lift_off + 1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,6 +74,27 @@ class StepSequence:
         return next(step for step in self.steps if step.kind == kind)
 
 
+@dataclass(frozen=True, eq=False)
+class Crossing:
+    """A robot that steps over an obstacle in a sequence of steps: what the later units all need.
+
+    Attributes:
+        robot: the robot.
+        obstacle: the obstacle with its margins.
+        sequence: the steps, which place the obstacle.
+    """
+
+    robot: Robot
+    obstacle: Obstacle
+    sequence: StepSequence
+
+    @property
+    def limits(self) -> LegLimits:
+        """What the legs must keep all along: the obstacle's margins, and the knees' margin from straight."""
+        rectangle = self.obstacle.profile(self.sequence.front_face, margins=True)
+        return LegLimits(rectangle, np.radians(self.robot.checks.knee_margin_deg))
+
+
 def step_sequence(
     robot: Robot, obstacle: Obstacle, key: KeyConfiguration, rest_zmp: np.ndarray, leading: int = -1
 ) -> StepSequence:
@@ -86,8 +116,8 @@ def step_sequence(
     now = _samples(walk.standing, dt)
     knots = [(0, rest_zmp), (now, rest_zmp)]
     now += _samples(walk.double_support, dt)
-    plan, front_face = _footholds(robot, obstacle, key, leading)
-    for index, (side, kind, x) in enumerate(plan):
+    footholds, front_face = _footholds(robot, obstacle, key, leading)
+    for index, (side, kind, x) in enumerate(footholds):
         over = walk.single_support_leg_2 if kind == LEG_2 else walk.single_support_over
         single = walk.single_support if kind == NORMAL else over
         double = walk.double_support if kind == NORMAL else walk.double_support_over
@@ -97,7 +127,7 @@ def step_sequence(
         feet[side] = end
         steps.append(step)
         now = step.touch_down + _samples(double, dt)
-        if index == len(plan) - 1:
+        if index == len(footholds) - 1:
             knots.append((now, rest_zmp + np.mean([feet[1], feet[-1]], axis=0)))
     count = now + _samples(walk.standing, dt) + 1
     samples, corners = np.array([k for k, _ in knots]), np.array([p for _, p in knots])
@@ -126,14 +156,14 @@ def _footholds(
             f"stand at {rear:.3f} m, the shortest step is {walk.step_length_min:.3f} m",
             nearest,
         )
-    approach = [
+    approach: list[tuple[int, int, float]] = [
         (-leading if (count - i) % 2 == 0 else leading, BEFORE if i == count else NORMAL, rear * i / count)
         for i in range(1, count + 1)
     ]
     front = rear + key.x_ads
     over = robot.stepping_over.landing_step
     beyond = front + over + walk.step_length
-    crossing = [
+    crossing: list[tuple[int, int, float]] = [
         (leading, LEG_1, front),
         (-leading, LEG_2, front + over),
         (leading, AFTER, beyond),

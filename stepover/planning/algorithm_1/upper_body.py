@@ -19,10 +19,11 @@ import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
 from stepover.model.robot import Robot
+from stepover.motion.footsteps import LEG_1, LEG_2
 from stepover.planning.algorithm_1.com_waist import ComWaist
-from stepover.planning.algorithm_1.feet_trajectories import FeetTrajectories
 from stepover.planning.algorithm_1.preview_control import kajita_gains, track
-from stepover.planning.algorithm_1.step_sequence import LEG_1, LEG_2, StepSequence
+from stepover.planning.algorithm_1.step_sequence import StepSequence
+from stepover.planning.trajectories import FeetTrajectories
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,6 +135,6 @@ def _knee_spare(
     over, leg = slice(step.lift_off, step.touch_down), robot.leg(step.side)
     waists = np.concatenate([moved(waist[over], shift[over]) for shift in shifts])
     knee, excess = leg.knee(waists, np.tile(feet.foot(step.side)[over], (len(shifts), 1)))
-    margin = np.radians(robot.verdict.knee_margin_deg + robot.upper_body.knee_spare_deg)
+    margin = np.radians(robot.checks.knee_margin_deg + robot.upper_body.knee_spare_deg)
     spare = np.where(excess > 0.0, -np.inf, np.abs(knee) - margin)
     return np.asarray(spare.reshape(len(shifts), -1).min(axis=1))

@@ -1,8 +1,8 @@
-"""Is there a quasi-static way over the obstacle? Sec. II-A, Eqs. (6)-(8) and Remark 1.
+"""Is there a quasi-static path over the obstacle? Sec. II-A, Eqs. (6)-(8) and Remark 1.
 
 First the postures at both ends of the double support: with the CoM over the rear foot (6) and over the front foot (8),
 for every step length and place of the obstacle between the feet, the waist as high as leaves the legs the most room.
-Then the ways between them: (7) along the double support, (6) while leg 1 steps over, (8) while leg 2 does. The CoM
+Then the paths between them: (7) along the double support, (6) while leg 1 steps over, (8) while leg 2 does. The CoM
 stays as near to the ankles as it can: only where that fails does it move towards the toe of the rear foot and the heel
 of the front one.
 """
@@ -19,9 +19,10 @@ from stepover.errors import Infeasible
 from stepover.model.obstacle import Obstacle
 from stepover.model.pose import pose
 from stepover.model.robot import Robot
-from stepover.planning.leg_check import LegCheck, check_legs, leg_shapes
+from stepover.planning.leg_check import LegCheck, LegLimits, check_legs
 from stepover.planning.quasi_static.balance import Targets, balanced, joined
-from stepover.planning.quasi_static.path import LEG_1_OVER, LEG_2_OVER, SWINGS, TO_FRONT, Way, targets
+from stepover.planning.quasi_static.path import LEG_1_OVER, LEG_2_OVER, SWINGS, TO_FRONT, CrossingPath, targets
+from stepover.planning.trajectories import FeetTrajectories, WaistAndFeet
 
 CONDITIONS = {LEG_1_OVER: (1, 6), TO_FRONT: (2, 7), LEG_2_OVER: (3, 8)}
 """Phase of Sec. II and condition of Sec. II-A that each segment over the obstacle is under."""
@@ -40,8 +41,8 @@ class Grid(NamedTuple):
     valid: np.ndarray
 
 
-def find_way(robot: Robot, obstacle: Obstacle) -> Way:
-    """The way over an obstacle with its margins.
+def find_path(robot: Robot, obstacle: Obstacle) -> CrossingPath:
+    """The path over an obstacle with its margins.
 
     Raises:
         Infeasible: names the phase, the condition, (6), (7) or (8), and what prevents it.
@@ -49,30 +50,30 @@ def find_way(robot: Robot, obstacle: Obstacle) -> Way:
     reason = ""
     for share in np.linspace(0.0, 1.0, robot.quasi_static.com_parts + 1):
         try:
-            return _way_with(robot, obstacle, float(share))
+            return _path_with(robot, obstacle, float(share))
         except Infeasible as error:
             reason = error.constraint
     above, beside = 1e3 * obstacle.margin_height, 1e3 * obstacle.margin_width
     raise Infeasible(f"quasi-static, with margins of {above:g} mm above and {beside:g} mm beside: {reason}")
 
 
-def _way_with(robot: Robot, obstacle: Obstacle, share: float) -> Way:
-    """The way with the CoM as far from the ankles as a share of what is allowed."""
+def _path_with(robot: Robot, obstacle: Obstacle, share: float) -> CrossingPath:
+    """The path with the CoM as far from the ankles as a share of what is allowed."""
     reason = ""
-    for way in _ends(robot, obstacle, share):
+    for path in _ends(robot, obstacle, share):
         for segment in (TO_FRONT, LEG_1_OVER, LEG_2_OVER):
-            found, why = _first_free(robot, obstacle, _variants(robot, way, segment), segment)
+            found, why = _first_free(robot, obstacle, _variants(robot, path, segment), segment)
             if found is None:
                 reason = reason or why
                 break
-            way = found
+            path = found
         else:
-            return way
+            return path
     raise Infeasible(reason)
 
 
-def _ends(robot: Robot, obstacle: Obstacle, share: float) -> Iterator[Way]:
-    """Ways whose double support begins and ends in postures that the legs can take, the most free ones first.
+def _ends(robot: Robot, obstacle: Obstacle, share: float) -> Iterator[CrossingPath]:
+    """Paths whose double support begins and ends in postures that the legs can take, the most free ones first.
 
     Of waists that leave as much room the lowest, which bends the knees most.
     """
@@ -97,7 +98,7 @@ def _ends(robot: Robot, obstacle: Obstacle, share: float) -> Iterator[Way]:
         if np.isfinite(best[step, place]):
             here = [free[step, place] for free in room]
             heights = [float(grid.heights[free == free.max()].min()) for free in here]
-            yield Way(float(grid.steps[step]), float(grid.faces[step, place]), *com, *heights)
+            yield CrossingPath(float(grid.steps[step]), float(grid.faces[step, place]), *com, *heights)
 
 
 def _grid(robot: Robot, obstacle: Obstacle) -> Grid:
@@ -144,36 +145,39 @@ def _checked(
     """Balance postures and judge their legs against the obstacle with its margins, front face at faces (N,) [m]."""
     waist = balanced(robot, wanted, robot.quasi_static.search_rounds)[:, :7]
     rectangles = obstacle.profile(0.0, margins=True) + np.outer(np.broadcast_to(faces, len(waist)), [1, 1, 0, 0])
-    knee_margin = np.radians(robot.verdict.knee_margin_deg + knee_spare_deg)
-    return check_legs(robot, waist, wanted.left, wanted.right, rectangles, knee_margin)
+    knee_margin = np.radians(robot.checks.knee_margin_deg + knee_spare_deg)
+    poses = WaistAndFeet(waist, FeetTrajectories(wanted.left, wanted.right))
+    return check_legs(robot, poses, LegLimits(rectangles, knee_margin))
 
 
-def _variants(robot: Robot, way: Way, segment: int) -> list[Way]:
+def _variants(robot: Robot, path: CrossingPath, segment: int) -> list[CrossingPath]:
     """What a segment may look like between its ends, in the order in which it is tried."""
     p = robot.quasi_static
     if segment == TO_FRONT:
-        return [dataclasses.replace(way, raised=raised) for raised in p.raises]
+        return [dataclasses.replace(path, raised=raised) for raised in p.raises]
     if segment == LEG_1_OVER:
-        return [way]
+        return [path]
     return [
-        dataclasses.replace(way, leg2_pitch=float(np.radians(pitch)), leg2_back=back)
+        dataclasses.replace(path, leg2_pitch=float(np.radians(pitch)), leg2_back=back)
         for pitch in p.leg2_pitches_deg
         for back in p.leg2_backs
     ]
 
 
-def _first_free(robot: Robot, obstacle: Obstacle, ways: list[Way], segment: int) -> tuple[Way | None, str]:
-    """The first of some ways on which a segment is free, or None, and why the best one is not."""
+def _first_free(
+    robot: Robot, obstacle: Obstacle, paths: list[CrossingPath], segment: int
+) -> tuple[CrossingPath | None, str]:
+    """The first of some paths on which a segment is free, or None, and why the best one is not."""
     p = robot.quasi_static
     share = np.linspace(0.0, 1.0, p.look)
-    wanted = joined([targets(robot, obstacle, way, segment, share) for way in ways])
-    check = _checked(robot, obstacle, wanted, np.repeat([way.front_face for way in ways], p.look))
+    wanted = joined([targets(robot, obstacle, path, segment, share) for path in paths])
+    check = _checked(robot, obstacle, wanted, np.repeat([path.front_face for path in paths], p.look))
     free = check.good(p.spare) & (check.limit >= LIMIT_SPARE)
-    good = free.reshape(len(ways), -1).all(axis=1)
+    good = free.reshape(len(paths), -1).all(axis=1)
     if good.any():
-        return ways[int(good.argmax())], ""
+        return paths[int(good.argmax())], ""
     able = (check.reach <= 0.0) & (check.limit >= LIMIT_SPARE)
-    room = np.where(able, check.separation, -1.0 - check.reach).reshape(len(ways), -1).min(axis=1)
+    room = np.where(able, check.separation, -1.0 - check.reach).reshape(len(paths), -1).min(axis=1)
     part = slice(int(room.argmax()) * p.look, (int(room.argmax()) + 1) * p.look)
     phase, condition = CONDITIONS[segment]
     what = _worst(robot, LegCheck(*(values[part] for values in check)))
@@ -181,13 +185,13 @@ def _first_free(robot: Robot, obstacle: Obstacle, ways: list[Way], segment: int)
 
 
 def _worst(robot: Robot, check: LegCheck) -> str:
-    """What is worst along a way."""
+    """What is worst along a path, in words."""
     if check.reach.max() > 0.0:
         return f"a sole is {1e3 * check.reach.max():.1f} mm out of reach"
     if check.limit.min() < LIMIT_SPARE:
         return f"a leg joint is {np.degrees(LIMIT_SPARE - check.limit.min()):.1f} degrees beyond its limit or margin"
     worst = int(check.separation.argmin())
-    return f"{leg_shapes(robot)[check.shape[worst]].link} is {_inside(robot, check, worst)}"
+    return f"{robot.shapes[check.shape[worst]].link} is {_inside(robot, check, worst)}"
 
 
 def _inside(robot: Robot, check: LegCheck, which: int) -> str:
@@ -205,7 +209,7 @@ def _why_no_end(robot: Robot, grid: Grid, check: LegCheck, condition: int) -> st
         return f"{end}, ({condition}): with the CoM over the {foot} foot the legs do not reach"
     best = int(np.argmax(np.where(able, check.separation, -np.inf)))
     step, _, height = np.unravel_index(best, grid.valid.shape)
-    link = leg_shapes(robot)[check.shape[best]].link
+    link = robot.shapes[check.shape[best]].link
     return (
         f"{end}, ({condition}): with the CoM over the {foot} foot, at the best posture "
         f"(X_ads {grid.steps[step]:.3f} m, Z_hds {grid.heights[height]:.3f} m), {link} is {_inside(robot, check, best)}"

@@ -14,15 +14,15 @@ from stepover.model.gravity import GRAVITY
 from stepover.model.obstacle import Obstacle
 from stepover.model.robot import Robot
 from stepover.planning.quasi_static.balance import balanced
-from stepover.planning.quasi_static.path import SEGMENTS, SWINGS, Way, pace, targets
+from stepover.planning.quasi_static.path import SEGMENTS, SWINGS, CrossingPath, pace, targets
 
 QUINTIC_PEAK = 10.0 / np.sqrt(3.0)
 """Largest acceleration of the quintic from 0 to 1 in 1 s."""
 
 
-def zmp_errors(robot: Robot, obstacle: Obstacle, way: Way) -> np.ndarray:
+def zmp_errors(robot: Robot, obstacle: Obstacle, path: CrossingPath) -> np.ndarray:
     """Largest distance of ZMP and CoM projection [m] on each segment, (5,), if it took 1 s."""
-    return np.array([(_swing if k in SWINGS else _shift)(robot, obstacle, way, k) for k in SEGMENTS])
+    return np.array([(_swing if k in SWINGS else _shift)(robot, obstacle, path, k) for k in SEGMENTS])
 
 
 def durations(robot: Robot, errors: np.ndarray, epsilon: float) -> np.ndarray:
@@ -37,19 +37,19 @@ def durations(robot: Robot, errors: np.ndarray, epsilon: float) -> np.ndarray:
     return np.ceil(np.sqrt(errors / epsilon) / dt) * dt
 
 
-def _shift(robot: Robot, obstacle: Obstacle, way: Way, segment: int) -> float:
+def _shift(robot: Robot, obstacle: Obstacle, path: CrossingPath, segment: int) -> float:
     """Largest ZMP error [m] of the cart on a shift of the CoM that takes 1 s."""
-    wanted = targets(robot, obstacle, way, segment, np.linspace(0.0, 1.0, robot.quasi_static.look))
+    wanted = targets(robot, obstacle, path, segment, np.linspace(0.0, 1.0, robot.quasi_static.look))
     q = balanced(robot, wanted, robot.quasi_static.search_rounds)
     height = robot.body.com(robot.body.placements(q))[:, 2].max()
     return float(QUINTIC_PEAK * np.linalg.norm(wanted.com[-1] - wanted.com[0]) * height / GRAVITY)
 
 
-def _swing(robot: Robot, obstacle: Obstacle, way: Way, segment: int) -> float:
+def _swing(robot: Robot, obstacle: Obstacle, path: CrossingPath, segment: int) -> float:
     """Largest ZMP error [m] of the multi-body robot in a swing that takes 1 s, from one that takes much longer."""
     time, p = robot.quasi_static.swing_time, robot.quasi_static
     share = pace(segment, np.linspace(0.0, 1.0, p.swing_samples + 1))
-    wanted = targets(robot, obstacle, way, segment, share)
+    wanted = targets(robot, obstacle, path, segment, share)
     q = balanced(robot, wanted, p.rounds)
     error = robot.body.zmp(q, time / p.swing_samples) - wanted.com
     return float(np.linalg.norm(error, axis=1).max() * time**2)

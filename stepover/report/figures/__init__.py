@@ -11,7 +11,7 @@ from stepover.report.figures.landing import (
     leg_1_landing,
     spline_and_polynomial,
 )
-from stepover.report.figures.limits import clearance_bought, highest_with_and_without_yaw, obstacle_plane
+from stepover.report.figures.limits import clearance_by_units, highest_with_and_without_yaw, obstacle_plane
 from stepover.report.figures.planned import lateral_direction, preview_forms, walking_direction
 from stepover.report.figures.posture import key_configuration
 from stepover.report.figures.robustness import robustness
@@ -33,7 +33,7 @@ __all__ = [
     "block_diagram",
     "cart",
     "clearance",
-    "clearance_bought",
+    "clearance_by_units",
     "contact_forces",
     "crossing",
     "crossing_times",

@@ -10,8 +10,8 @@ from stepover.analysis.stages import Stage, lead_knee, postures
 from stepover.model.kinematics import Placements
 from stepover.model.obstacle import Obstacle
 from stepover.model.robot import Robot
-from stepover.planning.algorithm_1.planned import Plan
-from stepover.planning.algorithm_1.step_sequence import LEG_1, LEG_2
+from stepover.motion.footsteps import LEG_1, LEG_2
+from stepover.planning.algorithm_1.plan import Plan
 from stepover.report.figures.style import (
     FIRST_STAGE,
     LEFT,
@@ -104,7 +104,7 @@ def before_and_after(planned: Plan, plain: Stage, before: Stage, after: Stage) -
 @styled
 def arms_and_lead_knee(robot: Robot, planned: Plan, stages: list[Stage]) -> Figure:
     """UBMG: p_ref2 of the arms with both its signs and the waist's answer; the waist and the lead knee by stages."""
-    motion, upper = planned.motion, planned.upper
+    motion, upper = planned.motion, planned.nominal.upper
     first, second = (planned.sequence.step(kind) for kind in (LEG_1, LEG_2))
     figure, axes = panels(2, 4.8, columns=2)
     (perturbation, knee), (answer, ahead) = axes
@@ -127,7 +127,7 @@ def arms_and_lead_knee(robot: Robot, planned: Plan, stages: list[Stage]) -> Figu
             knee.plot(time[gone], np.full(len(gone), low), color=colour, lw=3.0)
             knee.annotate(f"{1e3 * beyond.max():.1f} mm out of reach  ", (time[gone[0]], low), ha="right", va="center",
                           fontsize=8.5)  # fmt: skip
-    knee.axhline(robot.verdict.knee_margin_deg, color=OBSTACLE, ls="--", lw=1.0)
+    knee.axhline(robot.checks.knee_margin_deg, color=OBSTACLE, ls="--", lw=1.0)
     knee.axhline(0.0, color=OBSTACLE, lw=1.2)
     knee.text(motion.time[first.touch_down] - 0.6, -1.0, " straight", va="top", fontsize=8.5)
     knee.set_ylim(low - 5.0, 55.0)

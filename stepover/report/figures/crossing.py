@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 
 from stepover.model.obstacle import Obstacle
 from stepover.model.robot import Robot
-from stepover.planning.algorithm_1.planned import Plan
-from stepover.planning.algorithm_1.step_sequence import LEG_1, LEG_2
+from stepover.motion.footsteps import LEG_1, LEG_2
+from stepover.planning.algorithm_1.plan import Plan
 from stepover.planning.checks import Measures, measure
 from stepover.report.figures.adapted import draw_obstacle, leg_links
 from stepover.report.figures.planned import support_span
@@ -103,7 +103,7 @@ def _size(height: float, width: float) -> str:
 def _numbers(robot: Robot, planned: Plan, found: Measures) -> str:
     """What a plan comes to, for a title; an adaptation is named where there is one."""
     lowered = robot.posture.waist_height - planned.motion.waist[:, 2].min()
-    arms, back = np.degrees(planned.upper.arm_swing), planned.adaptation.shift
+    arms, back = np.degrees(planned.nominal.upper.arm_swing), planned.adaptation.shift
     done = {
         f"waist down by {1e3 * lowered:.0f} mm": lowered > 5e-4,
         f"arms back by {arms:.0f}°": arms > 0.5,

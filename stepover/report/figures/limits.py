@@ -1,4 +1,4 @@
-"""What the units buy: clearance by combination, the highest obstacles with and without yaw, the plane of obstacles."""
+"""What the units contribute, the highest obstacles with and without yaw, and the plane of obstacles."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
-from stepover.analysis.stages import Bought
+from stepover.analysis.stages import Contribution
 from stepover.report.figures.style import FIRST_STAGE, OBSTACLE, PLANNED, REFERENCE, SIMULATED, WAIST, panels, styled
 from stepover.studies.obstacle_plane import HEIGHTS, WIDTHS
 from stepover.studies.sweep import Crossing
@@ -32,7 +32,7 @@ IN_BRACKETS = " In brackets: planned, not simulated."
 
 
 @styled
-def clearance_bought(results: Mapping[float, Sequence[Bought]]) -> Figure:
+def clearance_by_units(results: Mapping[float, Sequence[Contribution]]) -> Figure:
     """Distance of the legs from the safety margins in phase 3 by combination of units, for some heights [m]."""
     figure, axes = panels(1, 3.4)
     axis = axes[0, 0]

@@ -66,9 +66,10 @@ def lateral_direction(robot: Robot, motion: Motion) -> Figure:
     curves: list[tuple[Axes, np.ndarray, str, str]] = [
         (axes[0, 0], motion.waist, WAIST, "waist"),
         (axes[0, 0], motion.zmp, PLANNED, "ZMP, multi-body"),
-        (axes[1, 0], motion.zmp_first_stage, FIRST_STAGE, "ZMP after the first stage"),
         (axes[2, 0], motion.zmp, PLANNED, "ZMP after the second stage"),
     ]
+    if motion.zmp_first_stage is not None:
+        curves.append((axes[1, 0], motion.zmp_first_stage, FIRST_STAGE, "ZMP after the first stage"))
     for axis, values, colour, label in curves:
         axis.plot(time, 1e3 * values[:, 1], color=colour, lw=1.3 if values is motion.waist else 2.4, label=label)
     for axis in axes[:, 0]:

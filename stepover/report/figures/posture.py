@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from scipy.spatial import ConvexHull
 
-from stepover.analysis.key_posture import key_posture, leading_side
+from stepover.analysis.key_posture import key_posture
 from stepover.model.collision import profile
 from stepover.model.kinematics import Placements
 from stepover.model.obstacle import Obstacle
@@ -23,7 +23,7 @@ def key_configuration(robot: Robot, obstacle: Obstacle, key: KeyConfiguration) -
     figure, axes = panels(1, 6.2)
     axis = axes[0, 0]
     _draw_obstacle(axis, obstacle, key.front_face(robot, obstacle))
-    leading = leading_side(key)
+    leading = key.leading
     for side in (1, -1):  # the left leg is behind the right one
         _draw_leg(axis, robot, placed, side, "front leg" if side == leading else "rear leg", side != leading)
     _dimensions(axis, key)

@@ -71,7 +71,7 @@ def contact_forces(robot: Robot, run: Run) -> Figure:
     for axis, (wrench, colour, side) in zip(axes[:, 0], feet, strict=True):
         axis.plot(series.time, wrench[:, 2], color=colour, lw=0.9, label="floor on it")
         axis.axhline(weight, color=REFERENCE, ls="--", lw=0.9, label=f"weight, {weight:.0f} N")
-        landed = motion.footsteps[motion.footsteps[:, 1] == side, 0]
+        landed = motion.footsteps.of_side(side).time
         axis.plot(landed, np.zeros_like(landed), color=REFERENCE, marker="^", ls="", ms=5, label="planned touch-down")
         axis.set_ylabel("vertical force [N]")
         axis.set_ylim(-0.08 * weight, 1.3 * max(wrench[:, 2].max() for wrench, _, _ in feet))

@@ -57,7 +57,7 @@ def ways_from_above(robot: Robot, motions: Mapping[str, Motion]) -> Figure:
             look = {"ms": 4.0} if filled else {"ms": 9.0, "mfc": "none", "mew": 1.1}
             place = motion.com[sample, :2] - [origin, 0.0]
             axis.plot(*place, color=REFERENCE, marker=marker, ls="", label=name, zorder=5, **look)
-        axis.set(ylabel="y [m]", ylim=(-0.20, 0.20), xlim=(-AROUND, motion.key_configuration[0] + AROUND))
+        axis.set(ylabel="y [m]", ylim=(-0.20, 0.20), xlim=(-AROUND, _step_length(motion) + AROUND))
         axis.set_aspect("equal")
         axis.grid(visible=False)
     axes[-1, 0].set_xlabel("x from the rear ankle [m]")
@@ -87,7 +87,7 @@ def ways_over_time(robot: Robot, motions: Mapping[str, Motion]) -> Figure:
         axis.plot(time, motion.com[:, 0] - origin, color=COM, lw=1.2, label="CoM")
         lasting = (motion.samples(3).stop - motion.samples(1).start) * motion.dt
         axis.set(xlim=(max(time[0], -0.35 * lasting), min(time[-1], 1.35 * lasting)), xlabel="time [s]")
-        axis.set_ylim(-0.35, motion.key_configuration[0] + 0.45)
+        axis.set_ylim(-0.35, _step_length(motion) + 0.45)
         _shade(axis, motion, time)
         axis.set_ylabel("x from the rear ankle [m]" if column == 0 else "")
         shown = (time >= -0.35 * lasting) & (time <= 1.35 * lasting)
@@ -197,10 +197,16 @@ def _rear_ankle(motion: Motion) -> float:
     return float(motion.foot(int(motion.support[start]))[start, 0])
 
 
+def _step_length(motion: Motion) -> float:
+    """X_ads [m]: from the rear ankle to the front one while both feet stand around the obstacle."""
+    front = motion.samples(2).start
+    return float(abs(motion.left_foot[front, 0] - motion.right_foot[front, 0]))
+
+
 def _standing_places(motion: Motion, side: int) -> np.ndarray:
     """Sole poses (P, 7) at which a foot stands."""
-    steps = motion.footsteps[motion.footsteps[:, 1] == side]
-    landed = np.round((steps[:, 0] - motion.time[0]) / motion.dt).astype(int)
+    steps = motion.footsteps.of_side(side)
+    landed = np.round((steps.time - motion.time[0]) / motion.dt).astype(int)
     return motion.foot(side)[[0, *landed]]
 
 

@@ -9,8 +9,8 @@ from stepover.analysis.key_posture import knees_from_straight
 from stepover.analysis.stages import after_adaptation, lead_knee, lead_leg_stages
 from stepover.model.obstacle import Obstacle
 from stepover.model.robot import Robot
-from stepover.planning.algorithm_1.planned import Plan
-from stepover.planning.algorithm_1.step_sequence import LEG_1, LEG_2
+from stepover.motion.footsteps import LEG_1, LEG_2
+from stepover.planning.algorithm_1.plan import Plan
 from stepover.report.figures.adapted import draw_obstacle
 from stepover.report.figures.style import (
     FIRST_STAGE,
@@ -40,7 +40,7 @@ def swings(robot: Robot, obstacle: Obstacle, planned: Plan) -> Figure:
     sole = np.array([[-robot.foot.heel, 0.0], [robot.foot.toe, 0.0]])
     for axis, kind in zip(axes[:, 0], (LEG_1, LEG_2), strict=True):
         step = planned.sequence.step(kind)
-        way = planned.feet.foot(step.side)[step.lift_off : step.touch_down + 1] - np.eye(1, 7)[0] * front
+        way = planned.nominal.feet.foot(step.side)[step.lift_off : step.touch_down + 1] - np.eye(1, 7)[0] * front
         colour = LEFT if step.side > 0 else RIGHT
         axis.plot(way[:, 0], way[:, 2], color=REFERENCE, lw=1.0, label="under the ankle")
         for k in range(0, len(way), every):
@@ -61,7 +61,7 @@ def swings(robot: Robot, obstacle: Obstacle, planned: Plan) -> Figure:
 @styled
 def cart(robot: Robot, planned: Plan) -> Figure:
     """CWTG1: the cart model's CoM and its ZMP, ahead and across; height and yaw of the waist."""
-    motion, first = planned.motion, planned.first_stage
+    motion, first = planned.motion, planned.nominal.first_stage
     figure, axes = panels(2, 4.4, columns=2, sharex=True)
     for axis, column in ((axes[0, 0], 0), (axes[0, 1], 1)):
         axis.plot(motion.time, first.com.zmp[:, column], color=PLANNED, lw=2.2, label="ZMP of the cart")
@@ -99,7 +99,7 @@ def leg_joints(robot: Robot, planned: Plan) -> Figure:
         knee.plot(motion.time, bent[:, column], color=colour, label=f"{name} leg")
         own = [body.column(joint) - 7 for joint in leg.joints]
         room.plot(motion.time, spare[:, own].min(axis=1), color=colour)
-    for axis, least in ((knee, robot.verdict.knee_margin_deg), (room, 0.0)):
+    for axis, least in ((knee, robot.checks.knee_margin_deg), (room, 0.0)):
         axis.axhline(least, color=OBSTACLE, ls="--", lw=1.2, label="least allowed")
         axis.set_ylim(bottom=-4.0)
     knee.legend(loc="upper left")
@@ -119,19 +119,19 @@ def upper_body(robot: Robot, obstacle: Obstacle, planned: Plan) -> Figure:
     turned, knee = axes[0]
     chest = np.degrees(motion.q[:, robot.body.column(parts.chest_yaw)])
     shoulder = motion.q[:, robot.body.column(parts.shoulders[0])]
-    turned.plot(motion.time, np.degrees(planned.first_stage.yaw), color=WAIST, label="waist, yaw")
+    turned.plot(motion.time, np.degrees(planned.nominal.first_stage.yaw), color=WAIST, label="waist, yaw")
     turned.plot(motion.time, chest, color=PLANNED, label="chest against the waist")
     turned.plot(motion.time, np.degrees(shoulder - shoulder[0]), color=FIRST_STAGE, label="arms, back")
     turned.set(ylabel="angle [deg]", xlabel="time [s]")
     turned.margins(y=0.1)
     time_axis(axes[:, 0], motion, names="short")
-    stages = lead_leg_stages(robot, obstacle, planned)
+    stages = lead_leg_stages(planned)
     looks = (("arms at rest, step 3", stages[0], REFERENCE, "--"), ("arms furthest back", stages[1], FIRST_STAGE, "-"),
              ("the plan, step 7", after_adaptation(planned), PLANNED, "-"))  # fmt: skip
     for name, stage, colour, line in looks:
         time, angle, _ = lead_knee(robot, stage)
         knee.plot(time, angle, color=colour, ls=line, label=name)
-    knee.axhline(robot.verdict.knee_margin_deg, color=OBSTACLE, ls="--", lw=1.2, label="margin")
+    knee.axhline(robot.checks.knee_margin_deg, color=OBSTACLE, ls="--", lw=1.2, label="margin")
     landing = motion.time[first.touch_down]
     knee.set(ylabel="from straight [deg]", xlabel="time [s]", xlim=(landing - 0.6, landing + 0.02), ylim=(0.0, 65.0))
     shade_phases(knee, motion)

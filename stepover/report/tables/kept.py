@@ -6,9 +6,10 @@ import numpy as np
 
 from stepover.analysis.key_posture import knees_from_straight
 from stepover.analysis.stages import after_adaptation, postures
+from stepover.model.parameters.planning import samples
 from stepover.model.robot import Robot
 from stepover.model.self_collision import self_clearance
-from stepover.planning.algorithm_1.planned import Plan
+from stepover.planning.algorithm_1.plan import Plan
 from stepover.planning.checks import measure
 from stepover.report.tables.table import Table, table
 
@@ -18,7 +19,7 @@ def kept_table(robot: Robot, planned: Plan) -> Table:
     motion, found = planned.motion, measure(robot, planned.motion)
     _, short = postures(robot, after_adaptation(planned), slice(None))
     knee = float(knees_from_straight(robot, motion.q).min())
-    placements, every = robot.body.placements(motion.q), robot.verdict.self_look_every
+    placements, every = robot.body.placements(motion.q), samples(robot.checks.self_look_every, motion.dt)
     own, one, other, _ = self_clearance(robot.own_pairs, placements, every)
     apart = float((motion.left_foot - motion.right_foot)[:, 1].min())
     zmp, joint = max(found.zmp_rms), np.degrees(found.joint_margin_min)

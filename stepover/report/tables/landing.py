@@ -136,11 +136,11 @@ def measured(
     fitted = pair(rows, FITTED, SHORT)
     early, rigid = pair(rows, BASES[0], value="touch_down"), pair(rows, BASES[1])
     over = [1e3 * curves.overshoot(curve) for curve in (curves.polynomial, curves.spline)]
-    same = f"in the same time both swings come down alike, {down[0]} and {down[1]} m/s at {1e3 * NEAR_FLOOR:.0f} mm"
+    same = f"in equal time both swings descend alike, {down[0]} and {down[1]} m/s at {1e3 * NEAR_FLOOR:.0f} mm"
     return [
-        ("impact-naive", naive, f"{same}; {_force(fitted[0])} N take a swing in {SHORT:g} s and a fitted rubber"),
-        ("impact-shaped", shaped, f"the weight sways onto lightly damped rubber, {shaped / weight:.2f} of it with "
-                                  f"either swing; touch-down alone {_force(early[1])} N; fitted rubber "
+        ("impact-naive", naive, f"{same}; a swing in {SHORT:g} s and a fitted rubber give {_force(fitted[0])} N"),
+        ("impact-shaped", shaped, f"the body sways onto lightly damped rubber, {shaped / weight:.2f} times its weight "
+                                  f"with either swing; touch-down alone {_force(early[1])} N; fitted rubber "
                                   f"{_force(fitted[1])} N"),
         ("impact-ratio", shaped / naive, f"touch-down alone {early[1] / early[0]:.2f}; rigid soles "
                                          f"{rigid[1] / rigid[0]:.2f}, fitted rubber and a faster naive swing "

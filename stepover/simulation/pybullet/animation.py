@@ -13,7 +13,7 @@ import numpy as np
 from stepover.model.robot import Robot
 from stepover.motion.motion import Motion
 from stepover.simulation.measurements import Run
-from stepover.simulation.pybullet.video import DRAWN_HALF_WIDTH, acted, averaged, box, furnish, seen, stage
+from stepover.simulation.pybullet.video import DRAWN_HALF_WIDTH, averaged, box, draw_surroundings, replay, seen, stage
 
 EYE, TARGET, FIELD_OF_VIEW = (1.8, -5.6, 1.4), (0.06, 0.0, 0.69), 17.4
 """Camera: place and what it looks at, against the middle of the obstacle [m], and its vertical angle [deg]."""
@@ -46,7 +46,7 @@ def crossing_frames(
     fine = FINENESS * size[0], FINENESS * size[1]
     camera = (middle + EYE).tolist(), (middle + TARGET).tolist(), FIELD_OF_VIEW, fine
     with stage() as client:
-        furnish(client, motion, obstacle)
+        draw_surroundings(client, motion, obstacle)
         scene, far = seen(client, *camera)
     with stage() as client:
         (side, top), end = motion.obstacle[3:5], DRAWN_HALF_WIDTH - 0.002  # the obstacle's own end stays without veil
@@ -56,7 +56,7 @@ def crossing_frames(
     scene = _veiled(scene + haze * (255.0 - scene), veil, veil_distance < far)
     pictures = []
     with stage() as client:
-        for _ in acted(client, source, np.asarray(times, dtype=float), robot):
+        for _ in replay(client, source, np.asarray(times, dtype=float), robot):
             figure, distance = seen(client, *camera)
             where, picture = distance < far, scene.copy()
             picture[where] = _veiled(figure[where], veil[where], (veil_distance < distance)[where])

@@ -12,11 +12,11 @@ from pathlib import Path
 
 import numpy as np
 
-from stepover.errors import InvalidInput
+from stepover.extras import needs
 from stepover.model.collision import hull_of
-from stepover.model.description import MESH, Description, Link
+from stepover.model.description.links import MESH, Description, Link
+from stepover.model.description.urdf_text import numbers, urdf_text
 from stepover.model.pose import Rotation
-from stepover.model.urdf_text import numbers, urdf_text
 
 
 @contextmanager
@@ -38,11 +38,8 @@ def silenced() -> Iterator[None]:
             os.close(descriptor)
 
 
-try:
-    with silenced():
-        import pybullet
-except ModuleNotFoundError as error:
-    raise InvalidInput("the engine PyBullet is not installed: pip install 'stepover[pybullet]'") from error
+with needs("simulate"), silenced():
+    import pybullet
 
 
 def load_body(description: Description, client: int) -> int:

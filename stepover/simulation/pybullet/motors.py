@@ -14,9 +14,9 @@ from typing import Protocol
 
 import numpy as np
 
+from stepover.model.description.urdf_text import urdf_text
 from stepover.model.implicit import Prediction
 from stepover.model.robot import Robot
-from stepover.model.urdf_text import urdf_text
 from stepover.simulation.engine import Scene
 from stepover.simulation.pybullet.robot import Body
 from stepover.simulation.pybullet.surroundings import Point

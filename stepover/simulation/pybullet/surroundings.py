@@ -75,20 +75,20 @@ class Surroundings:
                 on_floor.append(point)
         return on_floor, on_obstacles
 
-    def contacts(self, points: Sequence[Point], robot: Body) -> Contacts:
-        """Contact points as the library has them."""
+    def contacts(self, points: Sequence[tuple[int, Point]], robot: Body) -> Contacts:
+        """Contact points as the library has them, each given with its time step."""
         if not points:
             return NO_CONTACTS
         feet = robot.feet
         numbers = np.array([
             (*p[6], *p[7], *p[11], *p[13], p[9], p[10], p[12], -p[8], p[3] + 1, feet.get(p[3], NO_FOOT),
-             self._numbers[p[2]])
-            for p in points
+             self._numbers[p[2]], step)
+            for step, p in points
         ])  # fmt: skip
         normal, first, second = numbers[:, 3:6], numbers[:, 6:9], numbers[:, 9:12]
         force = numbers[:, 12:13] * normal + numbers[:, 13:14] * first + numbers[:, 14:15] * second
-        link, foot, touched = numbers[:, 16:].T.astype(int)
-        return Contacts(link, foot, touched, numbers[:, :3], force, numbers[:, 15])
+        link, foot, touched, step = numbers[:, 16:].T.astype(int)
+        return Contacts(step, link, foot, touched, numbers[:, :3], force, numbers[:, 15])
 
     def _still(self, shape: int, position: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> int:
         """A body that never moves."""

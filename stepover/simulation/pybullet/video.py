@@ -116,8 +116,8 @@ def _pictures(
     step = float(time[1] - time[0])
     way = gaussian_filter1d(q[:, 0], FOLLOW / step, mode="nearest")[samples_at(source, times)]
     with stage() as client:
-        furnish(client, motion, source.obstacle if isinstance(source, Run) else motion.bare_obstacle)
-        for _, x in zip(acted(client, source, times, robot), way, strict=True):
+        draw_surroundings(client, motion, source.obstacle if isinstance(source, Run) else motion.bare_obstacle)
+        for _, x in zip(replay(client, source, times, robot), way, strict=True):
             yield _picture(client, float(x), size, fineness)
 
 
@@ -132,7 +132,7 @@ def stage() -> Iterator[int]:
         pybullet.disconnect(client)
 
 
-def furnish(client: int, motion: Motion, obstacle: np.ndarray) -> None:
+def draw_surroundings(client: int, motion: Motion, obstacle: np.ndarray) -> None:
     """Put the floor and an obstacle (4,) into a client."""
     ends = motion.waist[:, 0].min() - 2.0, motion.waist[:, 0].max() + 2.0
     box(client, (ends[0] - 3.0, -4.0, -0.1), (ends[1] + 3.0, 4.0, 0.0), FLOOR)
@@ -146,7 +146,7 @@ def furnish(client: int, motion: Motion, obstacle: np.ndarray) -> None:
     box(client, (x_min, -DRAWN_HALF_WIDTH, 0.0), (x_max, DRAWN_HALF_WIDTH, z_max), AMBER)
 
 
-def acted(client: int, source: Run | Motion, times: np.ndarray, robot: Robot | None) -> Iterator[None]:
+def replay(client: int, source: Run | Motion, times: np.ndarray, robot: Robot | None) -> Iterator[None]:
     """Load the robot into a client and put it, one after the other, where it is at times (K,) [s]."""
     motion = source.motion if isinstance(source, Run) else source
     robot = robot or load_robot(motion.robot)

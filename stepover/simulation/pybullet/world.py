@@ -42,8 +42,8 @@ class World:
         self.scene = scene
         self._simulated = simulated_robot(scene.robot, scene.sole, scene.disturbances)
         self.bush_depth = self._simulated.bush_depth
-        self._on_floor: list[Point] = []
-        self._on_obstacles: list[Point] = []
+        self._points: list[tuple[int, Point]] = []
+        self._steps = 0
         with silenced():
             self.client = pybullet.connect(pybullet.DIRECT)
         try:
@@ -71,6 +71,7 @@ class World:
 
     def reset(self, q: np.ndarray) -> None:
         """Put the robot at rest at a configuration (nq,), on rubber as deep as the weight on both feet presses it."""
+        self._points, self._steps = [], 0
         self.robot.place(q)
         if self.robot.passive:
             robot = self.scene.robot
@@ -89,12 +90,15 @@ class World:
     def step(self) -> None:
         """Let one time step pass."""
         pybullet.stepSimulation(self.client)
-        self._on_floor, self._on_obstacles = self.surroundings.points(self.robot)
-        self.motors.look(self._on_floor)
+        on_floor, on_obstacles = self.surroundings.points(self.robot)
+        self.motors.look(on_floor)
+        self._points += [(self._steps, point) for point in on_floor + on_obstacles]
+        self._steps += 1
 
     def contacts(self) -> Contacts:
-        """The contact points of the last step, those on the floor first."""
-        return self.surroundings.contacts(self._on_floor + self._on_obstacles, self.robot)
+        """The contact points of all steps since the last call, or since the reset; in a step the floor's come first."""
+        points, self._points, self._steps = self._points, [], 0
+        return self.surroundings.contacts(points, self.robot)
 
     def base_pose(self) -> np.ndarray:
         """Pose (7,) of the root link."""

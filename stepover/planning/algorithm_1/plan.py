@@ -1,4 +1,4 @@
-"""What the planner leaves behind: a motion, what it was allowed to use, and what its units handed to each other."""
+"""What Algorithm 1 may use, what its units lay out, and the plan that comes of it."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from stepover.motion.motion import Motion
 from stepover.planning.algorithm_1.com_waist import ComWaist
 from stepover.planning.algorithm_1.feasibility import KeyConfiguration
 from stepover.planning.algorithm_1.feet_adaptor import METHODS, Adaptation
-from stepover.planning.algorithm_1.feet_trajectories import FeetTrajectories
-from stepover.planning.algorithm_1.step_sequence import StepSequence
+from stepover.planning.algorithm_1.step_sequence import Crossing, StepSequence
 from stepover.planning.algorithm_1.upper_body import UpperBody
+from stepover.planning.trajectories import FeetTrajectories
 
 
 @dataclass(frozen=True)
-class Effort:
-    """What the planner may use.
+class Options:
+    """What Algorithm 1 may use.
 
     Attributes:
         arms: "auto", "on" or "off": UBMG.
@@ -31,40 +31,58 @@ class Effort:
 
 
 @dataclass(frozen=True, eq=False)
+class Nominal:
+    """The nominal trajectories: what steps 2, 3 and 5 lay out, before the filter and FTA correct it.
+
+    Attributes:
+        crossing: robot, obstacle and steps.
+        feet: trajectories of the feet by FTG.
+        first_stage: CoM and waist of CWTG1.
+        upper: what UBMG decided.
+        waist: (N, 7) CWTG1's, moved as the filter will answer the arms.
+    """
+
+    crossing: Crossing
+    feet: FeetTrajectories
+    first_stage: ComWaist
+    upper: UpperBody
+    waist: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
 class Plan:
     """A motion and how it came about.
 
     Attributes:
         motion: the result.
         key: key configuration.
-        sequence: the steps.
-        feet: trajectories of the feet by FTG, before they were adapted.
-        first_stage: CoM and waist of CWTG1.
-        upper: what UBMG decided.
+        nominal: the trajectories before they were corrected.
         adaptation: what FTA did.
-        effort: what was used.
+        options: what was used.
         filter_passes: how often the dynamic filter ran.
         planning_time: feasibility, trajectories and total [s].
     """
 
     motion: Motion
     key: KeyConfiguration
-    sequence: StepSequence
-    feet: FeetTrajectories
-    first_stage: ComWaist
-    upper: UpperBody
+    nominal: Nominal
     adaptation: Adaptation
-    effort: Effort
+    options: Options
     filter_passes: int
     planning_time: dict[str, float]
 
     @property
+    def sequence(self) -> StepSequence:
+        """The steps."""
+        return self.nominal.crossing.sequence
+
+    @property
     def adaptations(self) -> dict[str, object]:
         """What FTA and UBMG did, and how often the filter ran, as plain numbers: m, rad, s."""
-        upper, feet = self.upper, self.adaptation
+        upper, feet = self.nominal.upper, self.adaptation
         return {
             "filter_passes": self.filter_passes,
-            "beyond_paper_level": self.effort.level,
+            "beyond_paper_level": self.options.level,
             "ubmg": {
                 "acted": upper.arm_swing > 0.0,
                 "arm_swing": upper.arm_swing,

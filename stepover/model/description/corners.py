@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from stepover.model.description import BOX, SPHERE
+from stepover.model.description.links import BOX, SPHERE
 
 SIDES = 16
 """Of the prism around a cylinder: its edges stand out by 2 % of the radius."""

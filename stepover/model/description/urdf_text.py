@@ -11,7 +11,18 @@ from collections.abc import Callable, Iterable
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from stepover.model.description import BOX, CYLINDER, MESH, Description, Hinge, Inertia, Link, Place, Solid, Visual
+from stepover.model.description.links import (
+    BOX,
+    CYLINDER,
+    MESH,
+    Description,
+    Hinge,
+    Inertia,
+    Link,
+    Place,
+    Solid,
+    Visual,
+)
 
 MeshName = Callable[[Link, int], str]
 """Name of the file that holds the hull of a link's shape, by the link and the shape's number."""

@@ -1,0 +1,90 @@
+"""Which key configuration, with which options? The order in which Algorithm 1 is tried.
+
+What the paper describes comes first, with the arms at rest while the knees allow it; then UBMG; then what is added
+beyond the paper. With each of these options the key configurations are tried in the order of FU.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from stepover.errors import Infeasible, OutOfReach, TrailingLegBlocked
+from stepover.model.robot import Robot
+from stepover.planning.algorithm_1.feasibility import KeyConfiguration
+from stepover.planning.algorithm_1.plan import Options, Plan
+
+Attempt = Callable[[KeyConfiguration, Options], Plan]
+"""Plans with a key configuration and options, or raises Infeasible."""
+LEAN = 0.6
+"""How far a leg leans where it reaches furthest: hip to ankle ahead over hip to ankle down. It is 0.5 to 0.7 for
+obstacles of 20 to 25 cm. Under 20 cm hardly any attempt fails for want of reach."""
+
+
+def options_in_order(robot: Robot, arms: str, extras: bool, speed_limits: str) -> list[Options]:
+    """What to try, in this order; where speed limits are to be kept, everything that is allowed at once."""
+    first = [Options("off")] if arms == "auto" else []
+    levels = range(1, len(robot.beyond_paper.zmp_toe) + 1) if extras else ()
+    every = [*first, Options(arms), *(Options(arms, level=level) for level in levels)]
+    return every[-1:] if speed_limits == "respect" else every
+
+
+def first_plan(robot: Robot, keys: list[KeyConfiguration], options: list[Options], attempt: Attempt) -> Plan:
+    """The plan for the first options and key configuration that work.
+
+    Raises:
+        Infeasible: nothing works; what is short by least with the last options. An adapted leg that still collides
+            came further than one that does not reach.
+    """
+    errors: list[Infeasible] = []
+    for some in options:
+        found, errors = _first_key(robot, keys, some, attempt)
+        if found is not None:
+            return found
+    explained = [error.explain() if isinstance(error, TrailingLegBlocked) else error for error in errors]
+    raise min(explained, key=lambda error: (isinstance(error, OutOfReach), error.short))
+
+
+def _first_key(
+    robot: Robot, keys: list[KeyConfiguration], options: Options, attempt: Attempt
+) -> tuple[Plan | None, list[Infeasible]]:
+    """The plan for the first key configuration that works, or None; and why others do not.
+
+    A failed attempt rules others out. Where a sole is out of reach by some length, the waist must be lower by more.
+    Where FTA cannot free the trailing leg, that is for want of reach as well, so the waist must be lower. A longer step
+    needs a lower waist still. So where FTA fails, the next step length waits for the one after it, which may rule it
+    out.
+    """
+    apart = robot.feasibility.step_length_more_step
+    left = [key for key in keys if _is_whole((key.x_ads - keys[0].x_ads) / apart)]
+    found, errors, beyond = None, [], 0.0
+    while left:
+        key = next((key for key in left if key.x_ads > beyond), left[0])
+        before, beyond = left[: left.index(key)], 0.0
+        try:
+            found, left = attempt(key, options), before
+        except Infeasible as error:
+            if error.nearest is not None:
+                raise
+            errors.append(error)
+            left.remove(key)
+            if isinstance(error, (OutOfReach, TrailingLegBlocked)):
+                lower = np.hypot(1.0, LEAN) * error.short if isinstance(error, OutOfReach) else 0.0
+                left = [other for other in left if _demand(other) < _demand(key) - lower]
+            if isinstance(error, TrailingLegBlocked):
+                beyond = key.x_ads + 1.5 * apart
+    return found, errors
+
+
+def _demand(key: KeyConfiguration) -> float:
+    """What a key configuration asks of a leg's reach, as a height of the waist [m].
+
+    A longer step takes the waist half as much further from either foot, which a leaning leg makes up for by going down.
+    """
+    return key.z_hds + LEAN * key.x_ads / 2.0
+
+
+def _is_whole(number: float) -> bool:
+    """Whether a number is whole, but for rounding."""
+    return abs(number - round(number)) < 1e-6

@@ -1,1 +1,0 @@
-"""MuJoCo as a physics engine. The only door to it."""

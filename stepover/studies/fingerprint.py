@@ -1,0 +1,95 @@
+"""What the rows of a study depend on: the code that computes them, and the robot's files."""
+
+from __future__ import annotations
+
+import ast
+import hashlib
+import sys
+from collections.abc import Callable, Iterator
+from functools import cache
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+from stepover.locations import data_folder
+from stepover.robots.files import find_mesh
+from stepover.robots.loading import load_robot
+
+PACKAGE = "stepover"
+FOLDER = Path(__file__).resolve().parents[1]
+"""Where the package lies."""
+
+
+def fingerprint(work: Callable[..., Any], robot: str, *more: object) -> str:
+    """Twelve digits that change with the code, the robot's files, or anything else that is named.
+
+    Args:
+        work: computes the rows: a function, or an object that can be called.
+        robot: its name, or the path of its robot.toml.
+        more: whatever else the rows depend on.
+    """
+    digest = hashlib.sha256(repr(more).encode())
+    for path in [*sources(work.__module__), *robot_files(robot)]:
+        digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
+    return digest.hexdigest()[:12]
+
+
+@cache
+def sources(module: str) -> tuple[Path, ...]:
+    """Files of a module and of all that it imports of this package, directly or through others.
+
+    Imports inside functions count, and modules that are named in a text, as a registry of engines names them: but not
+    those that the package itself offers. Imports for type checking alone do not count.
+    """
+    found, waiting = dict[str, Path](), [module]
+    while waiting:
+        name = waiting.pop()
+        path = _file_of(name)
+        if name in found or path is None:
+            continue
+        found[name] = path
+        tree = ast.parse(path.read_bytes())
+        waiting += [name.rpartition(".")[0], *_imported(tree), *([] if name == PACKAGE else _named(tree))]
+    return tuple(found[name] for name in sorted(found))
+
+
+def _file_of(module: str) -> Path | None:
+    """The file of a module of this package, or of one outside that is loaded; None for a name in a module."""
+    top, *parts = module.split(".")
+    if top == PACKAGE:
+        place = FOLDER.joinpath(*parts)
+        candidates = [place / "__init__.py", place.with_suffix(".py")]
+        return next((path for path in candidates if path.is_file()), None)
+    file = getattr(sys.modules.get(module), "__file__", None)
+    return Path(file) if file else None
+
+
+def _imported(node: ast.AST) -> Iterator[str]:
+    """Names that may be modules of this package, of all import statements under a node."""
+    if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test):
+        for other in node.orelse:
+            yield from _imported(other)
+        return
+    names = []
+    if isinstance(node, ast.Import):
+        names = [alias.name for alias in node.names]
+    elif isinstance(node, ast.ImportFrom) and node.module:
+        names = [node.module, *(f"{node.module}.{alias.name}" for alias in node.names)]
+    yield from (name for name in names if name.partition(".")[0] == PACKAGE)
+    for child in ast.iter_child_nodes(node):
+        yield from _imported(child)
+
+
+def _named(tree: ast.AST) -> Iterator[str]:
+    """Texts that may name modules of this package."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Constant) and str(node.value).startswith(f"{PACKAGE}."):
+            yield str(node.value)
+
+
+def robot_files(robot: str) -> list[Path]:
+    """The robot.toml, the URDF, and the meshes that its links collide with."""
+    toml = Path(robot) if Path(robot).suffix == ".toml" else data_folder() / robot / "robot.toml"
+    urdf = load_robot(robot).urdf_path
+    named = {mesh.get("filename", "") for mesh in ElementTree.parse(urdf).iterfind("link/collision/geometry/mesh")}
+    return [toml, urdf, *(find_mesh(name, urdf) for name in sorted(named))]
