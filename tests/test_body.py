@@ -15,6 +15,7 @@ from stepover import InvalidInput
 from stepover.model import pose
 from stepover.model.body import Body
 from stepover.model.kinematics import axis_rotation
+from stepover.robots.urdf import read_urdf
 
 G = 9.81
 BRICK = """<robot name="brick"><link name="BRICK"><inertial><origin xyz="{lever}"/><mass value="7"/>
@@ -76,7 +77,7 @@ def brick(tmp_path):
 
     def make(lever: str = "0 0 0") -> Body:
         (tmp_path / "brick.urdf").write_text(BRICK.format(lever=lever))
-        return Body(tmp_path / "brick.urdf")
+        return Body(read_urdf(tmp_path / "brick.urdf")[0])
 
     return make
 
@@ -231,7 +232,7 @@ def test_mirrored_motion_has_the_mirrored_zmp(tmp_path, pin_model):
     for mesh in HRP2.glob("*.obj"):
         shutil.copy(mesh, tmp_path)
     (tmp_path / "even.urdf").write_text(urdf)
-    body = Body(tmp_path / "even.urdf")
+    body = Body(read_urdf(tmp_path / "even.urdf")[0])
     q = waving(pin_model, 60, 0.005, seed=6)
     mirrored = q.copy()
     mirrored[:, [1, 3, 5]] *= -1.0

@@ -72,7 +72,9 @@ def test_separation_is_exact_inside_and_a_lower_bound_outside(robot, strewn):
 
 def test_shapes_are_where_the_urdf_puts_them(robot, pin_model, strewn):
     """Every corner in the world, against pinocchio's own geometry placements."""
-    geometry = robot.body.geometry
+    geometry = pin.buildGeomFromUrdf(
+        pin_model, str(robot.urdf_path), pin.GeometryType.COLLISION, package_dirs=[str(robot.urdf_path.parent)]
+    )
     data, places = pin_model.createData(), geometry.createData()
     q = random_q(pin_model, 150, seed=11)
     q[:, :3] *= [0.4, 0.05, 0.3]

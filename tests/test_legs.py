@@ -11,6 +11,7 @@ from stepover import Infeasible, InvalidInput
 from stepover.model import pose
 from stepover.model.body import Body
 from stepover.model.legs import Leg
+from stepover.robots.urdf import read_urdf
 
 SIDES = (1, -1)
 MIRROR = np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0, 1.0])
@@ -68,7 +69,7 @@ def other_leg(tmp_path) -> Leg:
     urdf = tmp_path / "other.urdf"
     urdf.write_text(f'<robot name="other"><link name="base">{mass}</link>{"".join(parts)}</robot>')
     rest = np.radians([-26.0, 0.0, 0.0, 50.0, 0.0, -24.0])
-    return Leg(Body(urdf), 1, tuple(name for name, *_ in OTHER_LEG), 0.11, rest)
+    return Leg(Body(read_urdf(urdf)[0]), 1, tuple(name for name, *_ in OTHER_LEG), 0.11, rest)
 
 
 @pytest.mark.parametrize("side", SIDES)

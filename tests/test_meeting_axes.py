@@ -12,6 +12,7 @@ from stepover.model import pose
 from stepover.model.body import Body
 from stepover.model.legs import Leg
 from stepover.model.meeting_axes import MeetingAxes
+from stepover.robots.urdf import read_urdf
 
 AXES = {"X": "1 0 0", "Y": "0 1 0", "Z": "0 0 1", "x": "-1 0 0", "y": "0 -1 0", "z": "0 0 -1"}
 ORIGINS = ["0.01 0.09 -0.02", "0 0 0", "0 0 0", "-0.02 0.01 -0.38", "0.04 0.02 -0.36", "0 0 0"]
@@ -33,7 +34,7 @@ def leg_of(folder: Path, order: str, origins: list[str] = ORIGINS) -> Leg:
     path.write_text(f'<robot name="leg"><link name="base">{MASS}</link>{"".join(parts)}</robot>')
     rest = np.zeros(6)
     rest[3] = -0.9 if order[3] == "y" else 0.9
-    return Leg(Body(path), 1, tuple(f"j{k}" for k in range(6)), 0.11, rest)
+    return Leg(Body(read_urdf(path)[0]), 1, tuple(f"j{k}" for k in range(6)), 0.11, rest)
 
 
 def targets(leg: Leg, count: int = 300) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -528,7 +528,11 @@ def test_a_fingerprint_knows_facts_and_urdf_and_no_names_or_parameters(robot, sp
     other = spoilt_robot({("urdf",): str(tmp_path / "hrp2.urdf")}).fingerprint
     assert other != robot.fingerprint
     mesh = next(tmp_path.glob("*.obj"))
-    mesh.write_text(mesh.read_text() + "# changed\n")
+    text = mesh.read_text()
+    mesh.write_text(text + "# a comment\n")
+    assert spoilt_robot({("urdf",): str(tmp_path / "hrp2.urdf")}).fingerprint == other
+    corner = next(line for line in text.splitlines() if line.startswith("v "))
+    mesh.write_text(text.replace(corner, corner + "1", 1))
     assert spoilt_robot({("urdf",): str(tmp_path / "hrp2.urdf")}).fingerprint not in (other, robot.fingerprint)
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 import tomllib
-import xml.etree.ElementTree as ET
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -18,11 +17,11 @@ from stepover import Infeasible, InvalidInput, Obstacle, load_robot, plan, simul
 from stepover.analysis.delta_ds import delta_ds_stepping_over
 from stepover.locations import data_folder
 from stepover.model.body import Body
+from stepover.model.description.urdf_text import urdf_text
 from stepover.planning.algorithm_1.feasibility import key_configurations
 from stepover.robots.files import find_mesh, find_urdf
+from stepover.robots.urdf import read_urdf
 from stepover.simulation.pybullet.client import load_body, pybullet, silenced
-from stepover.simulation.pybullet.description import Description
-from stepover.simulation.pybullet.rigid import merge_fixed
 
 JVRC1 = data_folder() / "jvrc1"
 needs_jvrc1 = pytest.mark.skipif(
@@ -88,7 +87,7 @@ def test_it_weighs_in_pybullet_what_it_weighs(jvrc1):
         client = pybullet.connect(pybullet.DIRECT)
     try:
         with silenced():
-            body = load_body(jvrc1, client)
+            body = load_body(jvrc1.description, client)
         links = range(-1, pybullet.getNumJoints(body, client))
         names = ["", *(pybullet.getJointInfo(body, link, client)[1].decode() for link in links[1:])]
         masses = [pybullet.getDynamicsInfo(body, link, client)[0] for link in links]
@@ -107,23 +106,28 @@ def test_it_weighs_in_pybullet_what_it_weighs(jvrc1):
 
 @needs_jvrc1
 def test_merged_it_moves_as_pinocchio_says(jvrc1):
-    same_dynamics(Description(jvrc1).text(), jvrc1.body.model)
+    model = pin.buildModelFromUrdf(str(jvrc1.urdf_path), pin.JointModelFreeFlyer())
+    same_dynamics(urdf_text(jvrc1.description), model)
 
 
-def test_fixed_parts_are_merged_as_pinocchio_does_it():
-    root = ET.fromstring(FIXED)
-    assert merge_fixed(root)
-    assert [link.get("name") for link in root.findall("link")] == ["base", "c"]
-    same_dynamics(ET.tostring(root, encoding="unicode"), pin.buildModelFromXML(FIXED, pin.JointModelFreeFlyer()))
+@pytest.fixture
+def fixed(tmp_path):
+    """The path of a URDF with links on fixed joints."""
+    path = tmp_path / "fixed.urdf"
+    path.write_text(FIXED)
+    return path
 
 
-def test_a_robot_without_fixed_parts_stays_as_it_is(robot):
-    assert not Description(robot).changed
+def test_fixed_parts_are_merged_as_pinocchio_does_it(fixed):
+    description, _ = read_urdf(fixed)
+    assert [link.name for link in description.links] == ["base", "c"]
+    same_dynamics(urdf_text(description), pin.buildModelFromXML(FIXED, pin.JointModelFreeFlyer()))
 
 
-def test_a_moving_link_without_mass_is_named():
-    with pytest.raises(InvalidInput, match="'c' has no mass"):
-        merge_fixed(ET.fromstring(re.sub(r'<link name="c">.*?</link>', '<link name="c"/>', FIXED)))
+def test_a_moving_link_without_mass_is_named(fixed):
+    fixed.write_text(re.sub(r'<link name="c">.*?</link>', '<link name="c"/>', FIXED))
+    with pytest.raises(InvalidInput, match=r"'c'.* has no mass"):
+        read_urdf(fixed)
 
 
 @needs_jvrc1
@@ -240,7 +244,7 @@ def test_a_joint_that_the_urdf_lacks_is_named(tmp_path):
 
 @pytest.mark.parametrize("kind", ["continuous", "prismatic", "floating"])
 def test_joints_of_other_kinds_are_named(tmp_path, kind):
-    with pytest.raises(InvalidInput, match="'HEAD_JOINT1' must be revolute with limits"):
+    with pytest.raises(InvalidInput, match=r"'HEAD_JOINT1': its type is .*; only revolute joints with limits"):
         changed(tmp_path, kind=('name="HEAD_JOINT1" type="revolute"', f'name="HEAD_JOINT1" type="{kind}"'))
 
 
@@ -250,8 +254,8 @@ def test_a_joint_without_limits_is_named(tmp_path):
     lower, upper = (re.search(rf'{key}="[^"]*"', limit).group(0) for key in ("lower", "upper"))
     bad = limit.replace(lower, 'lower="0"').replace(upper, 'upper="0"')
     (tmp_path / "own.urdf").write_text(urdf.replace('filename="', f'filename="{HRP2}/').replace(limit, bad))
-    with pytest.raises(InvalidInput, match=r"needs a range, a speed limit and a torque limit"):
-        Body(tmp_path / "own.urdf")
+    with pytest.raises(InvalidInput, match=r"'HEAD_JOINT1': its range is 0 to 0; lower must be less than upper"):
+        Body(read_urdf(tmp_path / "own.urdf")[0])
 
 
 def test_a_sole_that_is_not_flat_or_not_on_the_floor_is_named(spoilt):

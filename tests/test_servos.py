@@ -12,15 +12,17 @@ import pytest
 from still import samples_of, standing
 
 from stepover.errors import InvalidInput
+from stepover.model.description.urdf_text import urdf_text
 from stepover.model.robot import Robot
 from stepover.motion.motion import Motion
 from stepover.robots.loading import load_robot
+from stepover.simulation.disturbances import NONE
 from stepover.simulation.engine import Scene
-from stepover.simulation.pybullet.description import Description
 from stepover.simulation.pybullet.motors import Servos
 from stepover.simulation.pybullet.world import World, pybullet
 from stepover.simulation.run import simulate
 from stepover.simulation.servos import springs, within_limits
+from stepover.simulation.simulated import simulated_robot
 from stepover.simulation.soles import BUSH, plate, with_plate_shapes, with_plates
 from stepover.simulation.trajectory import straight
 
@@ -35,7 +37,7 @@ def hung_up(robot: Robot, sole: str = "rigid", limited: bool = True) -> Iterator
     scene = Scene(robot, actuators="limited" if limited else "ideal", sole=sole)
     with World(scene) as world:
         if not limited:
-            world.motors = Servos(scene, world.robot, Description(robot))
+            world.motors = Servos(scene, world.robot, simulated_robot(robot, "rigid", NONE))
         world.reset(q)
         number = world.robot.number
         place = pybullet.getBasePositionAndOrientation(number, world.client)
@@ -206,20 +208,19 @@ def test_the_bush_is_stiff_to_what_is_stiff(motion: Motion, robot: Robot) -> Non
 
 
 def test_foot_parts_make_up_the_foot(robot: Robot) -> None:
-    description = Description(robot)
-    description.soften()
-    model = pin.buildModelFromXML(description.text(), pin.JointModelFreeFlyer())
+    soft_robot = simulated_robot(robot, "compliant", NONE)
+    model = pin.buildModelFromXML(urdf_text(soft_robot.description), pin.JointModelFreeFlyer())
     whole = robot.body.model
     assert model.nv == whole.nv + 6
     rest, soft = (pin.crba(m, m.createData(), pin.neutral(m))[:6, :6] for m in (whole, model))
     np.testing.assert_allclose(soft, rest, atol=1e-12)
-    assert description.passive == [f"{foot}_{part}" for foot in ("LLEG_LINK5", "RLEG_LINK5") for part in BUSH]
-    assert description.bush_height == pytest.approx(0.075)
+    assert soft_robot.passive == tuple(f"{foot}_{part}" for foot in ("LLEG_LINK5", "RLEG_LINK5") for part in BUSH)
+    assert soft_robot.bush_depth == pytest.approx(0.075)
 
 
 def test_a_plate_that_is_too_heavy_is_refused(robot: Robot) -> None:
     with pytest.raises(InvalidInput, match=r"sole\.mass"):
-        Description(replace(robot, sole=replace(robot.sole, mass=1.6))).soften()
+        simulated_robot(replace(robot, sole=replace(robot.sole, mass=1.6)), "compliant", NONE)
 
 
 def test_soft_feet_carry_their_shapes_with_them(robot: Robot) -> None:

@@ -9,21 +9,22 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Sequence
 from functools import cached_property, lru_cache
-from pathlib import Path
-from xml.etree import ElementTree
 
 import numpy as np
 import pinocchio as pin
 
 from stepover.errors import InvalidInput
 from stepover.model import pose
+from stepover.model.description.links import Description
+from stepover.model.description.urdf_text import urdf_text
 from stepover.model.kinematics import Joint, Placements, place_joints
 
 
 class Body:
-    """A floating-base robot read from a URDF.
+    """A floating-base robot.
 
     Attributes:
+        description: what it is built from.
         joint_names: names of the joints behind q[7:], in pinocchio's order.
         link_names: names of the links, the root first.
         lower, upper: joint limits (nq - 7,) [rad].
@@ -31,34 +32,14 @@ class Body:
         mass: total mass [kg].
     """
 
-    def __init__(self, urdf: Path) -> None:
-        """Read the URDF; meshes are looked for beside it, and those of package:// in the folders above it.
-
-        Raises:
-            InvalidInput: no such file, not a URDF, a shape that is not read, a joint that is not revolute with limits.
-        """
-        try:
-            self._model, self.geometry = pin.buildModelsFromUrdf(
-                str(urdf), package_dirs=[str(folder) for folder in urdf.parents], root_joint=pin.JointModelFreeFlyer(),
-                geometry_types=[pin.GeometryType.COLLISION],
-            )[:2]  # fmt: skip
-        except (ValueError, RuntimeError) as error:
-            raise InvalidInput(f"{urdf} cannot be read as a URDF: {str(error).splitlines()[0]}") from error
-        shapes, read = ElementTree.parse(urdf).getroot().findall("link/collision"), self.geometry.geometryObjects
-        if len(read) != len(shapes):
-            kinds = "boxes, cylinders, spheres, meshes"
-            raise InvalidInput(f"{urdf}: {len(read)} of its {len(shapes)} collision shapes can be read: {kinds}")
-        for joint in list(self._model.joints)[2:]:
-            if (joint.nq, joint.nv) != (1, 1) or joint.shortname().startswith("JointModelP"):
-                name = self._model.names[joint.id]
-                raise InvalidInput(f"{urdf}: joint {name!r} must be revolute with limits, with one degree of freedom")
+    def __init__(self, description: Description) -> None:
+        """Build the model of a robot."""
+        self.description = description
+        self._model = pin.buildModelFromXML(urdf_text(description), pin.JointModelFreeFlyer())
         self.joint_names = list(self._model.names)[2:]
-        self.link_names = [frame.name for frame in self._model.frames if frame.type == pin.FrameType.BODY]
+        self.link_names = [link.name for link in description.links]
         self.lower, self.upper = self._model.lowerPositionLimit[7:].copy(), self._model.upperPositionLimit[7:].copy()
         self.speed_limits, self.effort_limits = self._model.velocityLimit[6:].copy(), self._model.effortLimit[6:].copy()
-        for k, name in enumerate(self.joint_names):
-            if self.lower[k] >= self.upper[k] or min(self.speed_limits[k], self.effort_limits[k]) <= 0.0:
-                raise InvalidInput(f"{urdf}: joint {name!r} needs a range, a speed limit and a torque limit")
         self.mass = float(pin.computeTotalMass(self._model))
         self._masses = np.array([inertia.mass for inertia in self._model.inertias])
         self._centres = np.array([inertia.lever for inertia in self._model.inertias])
@@ -106,9 +87,10 @@ class Body:
         index = self.index(joint)
         return *self._origins[index], self._model.names[self._parents[index]]
 
-    def link_of(self, frame: int) -> str:
-        """Name of the link behind a frame of pinocchio's geometry model."""
-        return str(self._model.frames[frame].name)
+    def joint_of(self, link: str) -> int:
+        """Index in Placements of the joint that moves a link; 1 for the root, which the free-flyer moves."""
+        above = self.description.joint_above
+        return self.index(above[link].name) if link in above else 1
 
     def placements(self, q: np.ndarray, joints: Sequence[str] | None = None) -> Placements:
         """Forward kinematics over all samples: one pass along the tree, arrays over time.

@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
 from typing import NamedTuple
 
 import coal
@@ -18,7 +17,6 @@ import numpy as np
 from scipy.spatial import ConvexHull
 
 from stepover.model.body import Body
-from stepover.model.corners import corners_of
 from stepover.model.kinematics import Placements
 from stepover.model.obstacle import LATERAL_HALF_EXTENT
 
@@ -60,15 +58,16 @@ class Clearance(NamedTuple):
 
 
 def shapes_of(body: Body) -> list[Shape]:
-    """Convex shapes of all links of the URDF, in its order."""
+    """Convex shapes of all links, in the order of the joints that move them."""
     shapes = []
-    for item in body.geometry.geometryObjects:
-        vertices = corners_of(item.geometry, item.name)
-        vertices = vertices @ item.placement.rotation.T + item.placement.translation
-        hull = ConvexHull(vertices)
-        vertices = vertices[hull.vertices]
-        link = body.link_of(item.parentFrame)
-        shapes.append(Shape(link, item.parentJoint, vertices, _edge_directions(hull), _convex(vertices)))
+    for link in sorted(body.description.links, key=lambda link: body.joint_of(link.name)):
+        for solid in link.solids:
+            vertices = solid.corners @ solid.place.rotation.T + solid.place.translation
+            hull = ConvexHull(vertices)
+            vertices = vertices[hull.vertices]
+            shapes.append(
+                Shape(link.name, body.joint_of(link.name), vertices, _edge_directions(hull), _convex(vertices))
+            )
     return shapes
 
 
@@ -210,14 +209,14 @@ def distance_between(first: Shape, second: Shape, placements: Placements, sample
     return float(coal.distance(first.solid, places[0], second.solid, places[1], request, result))
 
 
-def hull_of_mesh(path: Path) -> tuple[np.ndarray, np.ndarray]:
-    """Corners (V, 3) of a mesh file's convex hull, and its triangles (T, 3), seen from outside counter-clockwise."""
-    hull = ConvexHull(np.array(coal.MeshLoader().load(str(path), np.ones(3)).vertices()))
-    corners, faces = hull.points[hull.vertices], np.searchsorted(hull.vertices, hull.simplices)
-    first, second, third = (corners[faces[:, k]] for k in range(3))
+def hull_of(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Corners (V, 3) of the convex hull of points, and its triangles (T, 3), seen from outside counter-clockwise."""
+    hull = ConvexHull(corners)
+    kept, faces = hull.points[hull.vertices], np.searchsorted(hull.vertices, hull.simplices)
+    first, second, third = (kept[faces[:, k]] for k in range(3))
     inward = np.einsum("na,na->n", np.cross(second - first, third - first), hull.equations[:, :3]) < 0.0
     faces[inward] = faces[inward, ::-1]
-    return corners, faces
+    return kept, faces
 
 
 def _convex(vertices: np.ndarray) -> coal.Convex:

@@ -13,6 +13,8 @@ import numpy as np
 
 from stepover.model.body import Body
 from stepover.model.collision import Shape, shapes_of
+from stepover.model.description.links import Description
+from stepover.model.description.urdf_text import urdf_text
 from stepover.model.legs import KNEE, Leg
 from stepover.model.parameters.facts import Foot, Legs, Outline, Posture, UpperBody
 from stepover.model.parameters.physics import Servo, Simulation, SoleRubber
@@ -72,13 +74,18 @@ class Robot:
     slow: Mapping[str, Any] = field(default_factory=dict)
 
     @cached_property
+    def description(self) -> Description:
+        """Links, joints and shapes, as they were read."""
+        return self.body.description
+
+    @cached_property
     def fingerprint(self) -> str:
-        """What the robot is, whatever its name: 16 digits of SHA-256 over URDF, collision meshes and facts."""
-        shapes = {Path(item.meshPath) for item in self.body.geometry.geometryObjects}
-        meshes = sorted(path for path in shapes if path.is_absolute())  # of a box or a cylinder it is a word
-        found = hashlib.sha256()
-        for path in (self.urdf_path, *meshes):
-            found.update(path.read_bytes())
+        """What the robot is, whatever its name: 16 digits of SHA-256 over links, joints, shapes and facts."""
+        found = hashlib.sha256(urdf_text(replace(self.description, name="")).encode())
+        for link in self.description.links:
+            for solid in link.solids:
+                place = solid.place.rotation.tobytes() + solid.place.translation.tobytes()
+                found.update(link.name.encode() + b"\0" + place + solid.corners.tobytes())
         found.update(repr([getattr(self, name) for name in FACTS]).encode())
         return found.hexdigest()[:16]
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import stat
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -44,3 +45,36 @@ def find_mesh(name: str, urdf: Path) -> Path:
         if (folder / rest).is_file():
             return folder / rest
     raise InvalidInput(f"{urdf}: {name!r} is in no folder above the URDF")
+
+
+def require_readable(path: Path, most: int) -> None:
+    """Refuse what is no regular file, or is larger than some bytes.
+
+    Raises:
+        InvalidInput: no such file, not a regular one, or too large.
+    """
+    try:
+        status = path.stat()
+    except (OSError, ValueError) as error:
+        raise InvalidInput(f"{path} cannot be read: {getattr(error, 'strerror', None) or error}") from error
+    if not stat.S_ISREG(status.st_mode):
+        raise InvalidInput(f"{path} is not a regular file")
+    if status.st_size > most:
+        raise InvalidInput(f"{path} has {status.st_size / 1e6:.0f} MB; at most {most / 1e6:.0f} MB are read")
+
+
+def read_text(path: Path, most: int) -> str:
+    """The text of a file in UTF-8, with or without a byte order mark.
+
+    Raises:
+        InvalidInput: it cannot be read, is no regular file, is too large, or is not UTF-8.
+    """
+    require_readable(path, most)
+    try:
+        return path.read_bytes().decode("utf-8-sig")
+    except OSError as error:
+        raise InvalidInput(f"{path} cannot be read: {error.strerror}") from error
+    except UnicodeDecodeError as error:
+        raise InvalidInput(
+            f"{path} is not in UTF-8: byte {error.start + 1} is {error.object[error.start]:#04x}"
+        ) from error

@@ -20,6 +20,7 @@ from stepover.robots.checks import require_joints, require_room_to_sink, require
 from stepover.robots.derived import com_height, standing
 from stepover.robots.files import find_urdf
 from stepover.robots.reading import WrongEntry, line_of, read_section, require_known
+from stepover.robots.urdf import read_urdf
 
 TEXTS = ("name", "urdf", "root")
 _KINDS: dict[str, type[Any]] = get_type_hints(Robot)
@@ -74,7 +75,7 @@ def _robot(table: dict[str, Any], folder: Path) -> Robot:
     facts = {
         key: read_section(kind, table[key], key, unknown if key == "posture" else {}) for key, kind in FACTS.items()
     }
-    bare = Robot(name=name, urdf_path=path, body=Body(path), root=root, **facts)
+    bare = Robot(name=name, urdf_path=path, body=Body(read_urdf(path)[0]), root=root, **facts)
     require_joints(bare)
     bare = replace(bare, posture=read_section(Posture, table["posture"], "posture", standing(bare)))
     require_standing(bare)

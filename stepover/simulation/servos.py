@@ -25,12 +25,18 @@ def springs(robot: Robot, bushes: int, stiffer: float = 1.0) -> tuple[np.ndarray
     return np.concatenate([stiffness, spring * bushes]), np.concatenate([damping, damper * bushes])
 
 
-def within_limits(robot: Robot, torque: np.ndarray, speed: np.ndarray) -> np.ndarray:
-    """Torques (J,) that limited servos can give at joint speeds (J,) [N m, rad/s].
+def limits_at(robot: Robot, speed: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Least and most torque (J,) that limited servos can give at joint speeds (J,) [N m, rad/s].
 
     A torque that accelerates a joint fades below its speed limit, and is zero at it.
     """
     limit, share, fade = robot.body.effort_limits, speed / robot.body.speed_limits, robot.servo.speed_fade
     most = np.minimum((1.0 - share) / fade, 1.0) * limit
     least = np.minimum((1.0 + share) / fade, 1.0) * limit
-    return np.minimum(np.maximum(torque, -np.maximum(least, 0.0)), np.maximum(most, 0.0))
+    return -np.maximum(least, 0.0), np.maximum(most, 0.0)
+
+
+def within_limits(robot: Robot, torque: np.ndarray, speed: np.ndarray) -> np.ndarray:
+    """Torques (J,) that limited servos can give at joint speeds (J,) [N m, rad/s]."""
+    least, most = limits_at(robot, speed)
+    return np.minimum(np.maximum(torque, least), most)

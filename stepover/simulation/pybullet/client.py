@@ -13,9 +13,10 @@ from pathlib import Path
 import numpy as np
 
 from stepover.extras import needs
+from stepover.model.collision import hull_of
+from stepover.model.description.links import MESH, Description, Link
+from stepover.model.description.urdf_text import numbers, urdf_text
 from stepover.model.pose import Rotation
-from stepover.model.robot import Robot
-from stepover.simulation.pybullet.description import Description
 
 
 @contextmanager
@@ -41,20 +42,33 @@ with needs("simulate"), silenced():
     import pybullet
 
 
-def load_body(robot: Robot, client: int, description: Description | None = None) -> int:
-    """Load the robot into a client, as a description says or as its URDF does, and give its number.
+def load_body(description: Description, client: int) -> int:
+    """Load a robot into a client, and give its number.
 
     Self-collision stays off: neighbouring boxes overlap at the joints by design, and the planner keeps the legs apart.
     """
-    flags = pybullet.URDF_USE_INERTIA_FROM_FILE
-    description = description or Description(robot)
-    if not description.changed:
-        return int(pybullet.loadURDF(str(robot.urdf_path), flags=flags, physicsClientId=client))
     with tempfile.TemporaryDirectory() as folder:
-        for name, text in {robot.urdf_path.name: description.text(), **description.hulls}.items():
-            (Path(folder) / name).write_text(text)
-        path = Path(folder) / robot.urdf_path.name
-        return int(pybullet.loadURDF(str(path), flags=flags, physicsClientId=client))
+        hulls: dict[str, str] = {}
+        for link in description.links:
+            for number, solid in enumerate(link.solids):
+                if solid.kind == MESH:
+                    hulls[_hull_name(link, number)] = _obj(*hull_of(solid.corners))
+        text = urdf_text(description, lambda link, number: str(Path(folder) / _hull_name(link, number)), visuals=True)
+        for name, content in {"robot.urdf": text, **hulls}.items():
+            (Path(folder) / name).write_text(content, encoding="utf-8")
+        flags = pybullet.URDF_USE_INERTIA_FROM_FILE
+        return int(pybullet.loadURDF(str(Path(folder) / "robot.urdf"), flags=flags, physicsClientId=client))
+
+
+def _hull_name(link: Link, number: int) -> str:
+    """File name of the hull of a link's shape; the link's own name may hold a slash."""
+    return f"{''.join(c if c.isalnum() else '_' for c in link.name)}_{number}.obj"
+
+
+def _obj(corners: np.ndarray, faces: np.ndarray) -> str:
+    """A hull as the text of an obj file."""
+    lines = [f"v {numbers(corner)}" for corner in corners] + [f"f {a} {b} {c}" for a, b, c in faces + 1]
+    return "\n".join([*lines, ""])
 
 
 def names_of(body: int, client: int) -> tuple[dict[int, str], dict[str, int]]:

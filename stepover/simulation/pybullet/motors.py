@@ -14,13 +14,14 @@ from typing import Protocol
 
 import numpy as np
 
+from stepover.model.description.urdf_text import urdf_text
 from stepover.model.implicit import Prediction
 from stepover.model.robot import Robot
 from stepover.simulation.engine import Scene
-from stepover.simulation.pybullet.description import Description
-from stepover.simulation.pybullet.robot import SimulatedRobot
+from stepover.simulation.pybullet.robot import Body
 from stepover.simulation.pybullet.surroundings import Point
 from stepover.simulation.servos import springs, within_limits
+from stepover.simulation.simulated import SimulatedRobot
 from stepover.simulation.soles import BUSH
 
 STIFFER = 10.0
@@ -49,7 +50,7 @@ class Motors(Protocol):
 class IdealMotors:
     """Position-controlled motors that follow without any limit that they could reach."""
 
-    def __init__(self, scene: Scene, body: SimulatedRobot) -> None:
+    def __init__(self, scene: Scene, body: Body) -> None:
         """Take hold of the joints."""
         self._body, self._parameters = body, scene.robot.simulation
         self.torque, self.saturated = np.zeros(len(body.joints)), np.zeros(len(body.joints), dtype=bool)
@@ -67,7 +68,7 @@ class IdealMotors:
 class Servos:
     """Springs in the joints: the motors, limited or not, and the bushes where there are any."""
 
-    def __init__(self, scene: Scene, body: SimulatedRobot, description: Description) -> None:
+    def __init__(self, scene: Scene, body: Body, simulated: SimulatedRobot) -> None:
         """Take hold of the joints."""
         robot, limited = scene.robot, scene.actuators == "limited"
         self._robot, self._body, self._dt = robot, body, robot.simulation.time_step
@@ -75,8 +76,8 @@ class Servos:
         body.release(self._joints)
         self._stiffness, self._damping = springs(robot, len(body.passive) // len(BUSH), 1.0 if limited else STIFFER)
         self._armature = self._dt * (self._damping + self._dt * self._stiffness)
-        names, points = robot.body.joint_names + description.passive, _points(robot, description)
-        self._prediction = Prediction(description.text(), names, self._armature, points, self._dt)
+        names, points = [*robot.body.joint_names, *simulated.passive], _points(robot, simulated)
+        self._prediction = Prediction(urdf_text(simulated.description), names, self._armature, points, self._dt)
         self._prediction.set_gravity(scene.disturbances.gravity)
         self._limited = limited
         self._limits = robot.body.effort_limits if limited else np.full(len(body.joints), np.inf)
@@ -108,18 +109,18 @@ class Servos:
         self._standing = tuple(sorted(corners))
 
 
-def motors_of(scene: Scene, body: SimulatedRobot, description: Description) -> Motors:
+def motors_of(scene: Scene, body: Body, simulated: SimulatedRobot) -> Motors:
     """The motors that a scene asks for; on rubber, ideal ones are stiff servos."""
     if scene.actuators == "ideal" and not body.passive:
         return IdealMotors(scene, body)
-    return Servos(scene, body, description)
+    return Servos(scene, body, simulated)
 
 
-def _points(robot: Robot, description: Description) -> list[tuple[str, np.ndarray]]:
+def _points(robot: Robot, simulated: SimulatedRobot) -> list[tuple[str, np.ndarray]]:
     """Of the left and the right foot the joint that moves the sole, and the corners of its contact patch."""
     points = []
     for row, (side, leg) in enumerate(((1, robot.legs.left), (-1, robot.legs.right))):
-        joint = description.passive[len(BUSH) * row + len(BUSH) - 1] if description.passive else leg[-1]
-        depth = description.bush_height - robot.foot.ankle_height
+        joint = simulated.passive[len(BUSH) * row + len(BUSH) - 1] if simulated.passive else leg[-1]
+        depth = simulated.bush_depth - robot.foot.ankle_height
         points.append((joint, np.column_stack([robot.contact_patch(side), np.full(4, depth)])))
     return points

@@ -11,10 +11,10 @@ import numpy as np
 from stepover.model.pose import axes, product, unit
 from stepover.model.robot import Robot
 from stepover.simulation.pybullet.client import load_body, local_of, names_of, place_body, pybullet
-from stepover.simulation.pybullet.description import Description
+from stepover.simulation.simulated import SimulatedRobot
 
 
-class SimulatedRobot:
+class Body:
     """A robot in a client.
 
     Attributes:
@@ -27,15 +27,15 @@ class SimulatedRobot:
         ankles: PyBullet's indices of the links of the left and the right leg's last joint.
     """
 
-    def __init__(self, robot: Robot, description: Description, client: int) -> None:
-        """Load a robot into a client, as a description says."""
-        self.client, self.number = client, load_body(robot, client, description)
+    def __init__(self, robot: Robot, simulated: SimulatedRobot, client: int) -> None:
+        """Load a robot into a client, as it is to be simulated."""
+        self.client, self.number = client, load_body(simulated.description, client)
         self.links, index = names_of(self.number, client)
         self.joints = [index[name] for name in robot.body.joint_names]
-        self.passive = [index[name] for name in description.passive]
+        self.passive = [index[name] for name in simulated.passive]
         self.ankles = [index[robot.leg(side).joints[-1]] for side in (1, -1)]
         self.feet = {link: foot for foot, link in enumerate(self.ankles)}
-        for number, name in zip(self.passive, description.passive, strict=True):
+        for number, name in zip(self.passive, simulated.passive, strict=True):
             ankle = next(link for link in self.ankles if name.startswith(f"{self.links[link]}_"))
             self.feet[number], self.links[number] = self.feet[ankle], self.links[ankle]
         self._local = local_of(self.number, client)

@@ -9,7 +9,7 @@ import numpy as np
 from stepover.model.obstacle import LATERAL_HALF_EXTENT
 from stepover.simulation.engine import FLOOR, NO_CONTACTS, NO_FOOT, Contacts
 from stepover.simulation.pybullet.client import pybullet
-from stepover.simulation.pybullet.robot import SimulatedRobot
+from stepover.simulation.pybullet.robot import Body
 
 Point = tuple
 """A contact point of PyBullet's. By index: 2 the body that is touched, 3 the robot's link, 5 and 6 the place on the
@@ -37,7 +37,7 @@ class Surroundings:
         """PyBullet's numbers of all of them."""
         return list(self._numbers)
 
-    def part_floor(self, robot: SimulatedRobot) -> list[int]:
+    def part_floor(self, robot: Body) -> list[int]:
         """Give each foot a floor of its own, which nothing else touches: the new bodies.
 
         A foot in the air does not notice when its floor moves, so that each foothold may have its own height without
@@ -64,7 +64,7 @@ class Surroundings:
         where = (0.0, 0.0, height), (0.0, 0.0, 0.0, 1.0)
         pybullet.resetBasePositionAndOrientation(self._own_floors[foot], *where, self._client)
 
-    def points(self, robot: SimulatedRobot) -> tuple[list[Point], list[Point]]:
+    def points(self, robot: Body) -> tuple[list[Point], list[Point]]:
         """Contact points of the last step that bear on the floor, and those that touch an obstacle."""
         on_floor, on_obstacles = [], []
         for point in pybullet.getContactPoints(robot.number, physicsClientId=self._client):
@@ -75,7 +75,7 @@ class Surroundings:
                 on_floor.append(point)
         return on_floor, on_obstacles
 
-    def contacts(self, points: Sequence[tuple[int, Point]], robot: SimulatedRobot) -> Contacts:
+    def contacts(self, points: Sequence[tuple[int, Point]], robot: Body) -> Contacts:
         """Contact points as the library has them, each given with its time step."""
         if not points:
             return NO_CONTACTS

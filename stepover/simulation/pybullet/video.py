@@ -151,7 +151,7 @@ def replay(client: int, source: Run | Motion, times: np.ndarray, robot: Robot | 
     motion = source.motion if isinstance(source, Run) else source
     robot = robot or load_robot(motion.robot)
     with silenced():
-        body = load_body(robot, client)
+        body = load_body(robot.description, client)
     index, local = names_of(body, client)[1], local_of(body, client)
     for names, colour in ((robot.legs.left, LEFT), (robot.legs.right, RIGHT)):
         for name in names:

@@ -10,10 +10,10 @@ from stepover.errors import InvalidInput
 from stepover.model.gravity import GRAVITY
 from stepover.simulation.engine import Contacts, Scene
 from stepover.simulation.pybullet.client import pybullet, silenced
-from stepover.simulation.pybullet.description import describe
 from stepover.simulation.pybullet.motors import Motors, motors_of
-from stepover.simulation.pybullet.robot import SimulatedRobot
+from stepover.simulation.pybullet.robot import Body
 from stepover.simulation.pybullet.surroundings import Point, Surroundings
+from stepover.simulation.simulated import simulated_robot
 
 
 class World:
@@ -30,7 +30,7 @@ class World:
     """
 
     surroundings: Surroundings
-    robot: SimulatedRobot
+    robot: Body
     motors: Motors
 
     def __init__(self, scene: Scene) -> None:
@@ -40,8 +40,8 @@ class World:
             InvalidInput: the robot weighs something else in PyBullet than in pinocchio, or has no sole for rubber.
         """
         self.scene = scene
-        self._description = describe(scene.robot, scene.sole, scene.disturbances)
-        self.bush_depth = self._description.bush_height
+        self._simulated = simulated_robot(scene.robot, scene.sole, scene.disturbances)
+        self.bush_depth = self._simulated.bush_depth
         self._points: list[tuple[int, Point]] = []
         self._steps = 0
         with silenced():
@@ -132,10 +132,10 @@ class World:
         """Floor, obstacles, robot, physics and motors."""
         with silenced():
             self.surroundings = Surroundings(self.client, self.scene.obstacles)
-            self.robot = SimulatedRobot(self.scene.robot, self._description, self.client)
+            self.robot = Body(self.scene.robot, self._simulated, self.client)
         self._settle_physics()
         self._check_mass()
-        self.motors = motors_of(self.scene, self.robot, self._description)
+        self.motors = motors_of(self.scene, self.robot, self._simulated)
 
     def _settle_physics(self) -> None:
         """Time step, solver, gravity and friction."""

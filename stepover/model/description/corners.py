@@ -2,34 +2,30 @@
 
 from __future__ import annotations
 
-import coal
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from stepover.errors import InvalidInput
+from stepover.model.description.links import BOX, SPHERE
 
 SIDES = 16
 """Of the prism around a cylinder: its edges stand out by 2 % of the radius."""
 
 
-def corners_of(geometry: coal.CollisionGeometry, name: str) -> np.ndarray:
+def corners_of(kind: str, size: tuple[float, ...]) -> np.ndarray:
     """Corners (V, 3) [m] of a shape in its own frame; of a hull around a cylinder or sphere.
 
-    Raises:
-        InvalidInput: another kind of shape.
+    Args:
+        kind: BOX, CYLINDER or SPHERE.
+        size: as in Solid [m].
     """
-    if isinstance(geometry, coal.Box):
+    if kind == BOX:
         signs = np.array(np.meshgrid([-1, 1], [-1, 1], [-1, 1])).reshape(3, -1).T
-        return np.asarray(signs * geometry.halfSide)
-    if isinstance(geometry, coal.BVHModelBase):
-        return np.array(geometry.vertices())
-    if isinstance(geometry, coal.Sphere):
-        return geometry.radius * _around_a_ball()
-    if isinstance(geometry, coal.Cylinder):
-        ends = np.array([[0.0, 0.0, -geometry.halfLength], [0.0, 0.0, geometry.halfLength]])
-        return np.concatenate([geometry.radius * _around_a_disc() + end for end in ends])
-    known = "boxes, cylinders, spheres and meshes are known"
-    raise InvalidInput(f"collision shape {name!r}: {known}, not {type(geometry).__name__}")
+        return np.asarray(signs * (np.array(size) / 2.0))
+    if kind == SPHERE:
+        return size[0] * _around_a_ball()
+    radius, length = size
+    ends = np.array([[0.0, 0.0, -length / 2.0], [0.0, 0.0, length / 2.0]])
+    return np.concatenate([radius * _around_a_disc() + end for end in ends])
 
 
 def _around_a_disc() -> np.ndarray:

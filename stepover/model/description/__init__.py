@@ -1,0 +1,1 @@
+"""A robot as plain values, and as the text that libraries load."""
