@@ -19,7 +19,8 @@ from stepover.locations import data_folder
 from stepover.model.body import Body
 from stepover.model.description.urdf_text import urdf_text
 from stepover.planning.algorithm_1.feasibility import key_configurations
-from stepover.robots.files import find_mesh, find_urdf
+from stepover.robots.files import find_urdf
+from stepover.robots.meshes import find_mesh
 from stepover.robots.urdf import read_urdf
 from stepover.simulation.pybullet.client import load_body, pybullet, silenced
 
@@ -224,7 +225,9 @@ def test_meshes_of_a_package_are_found_above_the_urdf(tmp_path):
     mesh.write_text("")
     urdf = tmp_path / "thing_description" / "urdf" / "thing.urdf"
     assert find_mesh("package://thing_description/meshes/a.obj", urdf) == mesh
-    with pytest.raises(InvalidInput, match=r"b\.obj' is in no folder above"):
+    with pytest.raises(
+        InvalidInput, match=r"b\.obj' is not found: looked for the package 'thing_description' in the folders above"
+    ):
         find_mesh("package://thing_description/meshes/b.obj", urdf)
 
 
@@ -256,6 +259,31 @@ def test_a_joint_without_limits_is_named(tmp_path):
     (tmp_path / "own.urdf").write_text(urdf.replace('filename="', f'filename="{HRP2}/').replace(limit, bad))
     with pytest.raises(InvalidInput, match=r"'HEAD_JOINT1': its range is 0 to 0; lower must be less than upper"):
         Body(read_urdf(tmp_path / "own.urdf")[0])
+
+
+def coupled(tmp_path, joint, leader, factor=-2.0):
+    """HRP-2 with a joint that mimics another one."""
+    name = f'name="{joint}" type="revolute">'
+    mimic = f'<mimic joint="{leader}" multiplier="{factor}" offset="0.1"/>'
+    return changed(tmp_path, mimic=(name, f"{name}{mimic}"))
+
+
+def test_a_coupled_joint_follows_its_leader(tmp_path):
+    own = coupled(tmp_path, "RARM_JOINT4", "RARM_JOINT3")
+    leader, follower = (own.half_sitting()[own.body.column(f"RARM_JOINT{k}")] for k in (3, 4))
+    assert leader == pytest.approx(np.radians(-30.0))
+    assert follower == pytest.approx(0.1 - 2.0 * leader)
+
+
+@pytest.mark.parametrize(("joint", "leader"), [("RLEG_JOINT4", "RLEG_JOINT3"), ("RARM_JOINT4", "RARM_JOINT0")])
+def test_joints_that_the_planner_moves_must_not_be_coupled(tmp_path, joint, leader):
+    with pytest.raises(InvalidInput, match=f"'{joint}' mimics '{leader}'"):
+        coupled(tmp_path, joint, leader)
+
+
+def test_a_half_sitting_that_breaks_a_coupling_is_refused(tmp_path):
+    with pytest.raises(InvalidInput, match=r"'RARM_JOINT3' mimics 'RARM_JOINT4': .* must be 5\.7 degrees, not -30\.0"):
+        coupled(tmp_path, "RARM_JOINT3", "RARM_JOINT4")
 
 
 def test_a_sole_that_is_not_flat_or_not_on_the_floor_is_named(spoilt):

@@ -143,6 +143,11 @@ class Robot:
         q[6] = 1.0
         for joint, angle in self.posture.angles_deg.items():
             q[self.body.column(joint)] = np.radians(angle)
+        for hinge in self.description.joints:
+            if hinge.mimic and hinge.name not in self.posture.angles_deg:
+                leader, factor, offset = hinge.mimic
+                if follows := factor * q[self.body.column(leader)] + offset:
+                    q[self.body.column(hinge.name)] = follows
         placed = self.body.placements(q[None])
         ankles = np.array([placed.positions[0, self.body.index(leg[-1])] for leg in (self.legs.left, self.legs.right)])
         q[:3] = [*-ankles.mean(axis=0)[:2], self.posture.waist_height]

@@ -32,6 +32,7 @@ def require_joints(robot: Robot) -> None:
         for joint in joints:
             if joint not in robot.body.joint_names:
                 raise WrongEntry(f"{where}: the URDF has no joint {joint!r}", f"{where}.{joint}", where)
+    _require_free(robot)
     for name, side in SIDES.items():
         hip = robot.leg(side).joints[0]
         if side * robot.body.origin(hip)[1][1] < 0.0:
@@ -42,6 +43,24 @@ def require_joints(robot: Robot) -> None:
         if knee not in (bends := [leg[KNEE] for leg in (robot.legs.right, robot.legs.left)]):
             message = f"legs.knee: {knee!r} is no knee: the fourth joints of the legs are {bends}"
             raise WrongEntry(message, "legs.knee")
+
+
+def _require_free(robot: Robot) -> None:
+    """Refuse coupled joints among those that move, and a half-sitting that breaks a coupling."""
+    moved = {*robot.legs.left, *robot.legs.right, robot.upper_body.chest_yaw, *robot.upper_body.shoulders}
+    for hinge in robot.description.joints:
+        if hinge.mimic and {hinge.name, hinge.mimic[0]} & moved:
+            message = f"the URDF's joint {hinge.name!r} mimics {hinge.mimic[0]!r}: joints that move must not be coupled"
+            raise WrongEntry(message)
+        if hinge.mimic and hinge.name in (angles := robot.posture.angles_deg):
+            leader, factor, offset = hinge.mimic
+            follows = factor * angles.get(leader, 0.0) + float(np.degrees(offset))
+            if abs(follows - angles[hinge.name]) > FLAT:
+                message = (
+                    f"posture.angles_deg: {hinge.name!r} mimics {leader!r}: in half-sitting it must be "
+                    f"{follows:.1f} degrees, not {angles[hinge.name]:.1f}; it may be left out"
+                )
+                raise WrongEntry(message, f"posture.angles_deg.{hinge.name}")
 
 
 def require_standing(robot: Robot) -> None:

@@ -32,21 +32,6 @@ def find_urdf(name: str, folder: Path) -> Path:
     return Path(found.submodule_search_locations[0]).resolve() / rest
 
 
-def find_mesh(name: str, urdf: Path) -> Path:
-    """A mesh that a URDF names: beside it; with package:// in one of the folders above it, as ROS lays them out.
-
-    Raises:
-        InvalidInput: it is in none of them.
-    """
-    if not name.startswith(PACKAGE):
-        return urdf.parent / name.removeprefix("file://")
-    rest = name.removeprefix(PACKAGE)
-    for folder in urdf.parents:
-        if (folder / rest).is_file():
-            return folder / rest
-    raise InvalidInput(f"{urdf}: {name!r} is in no folder above the URDF")
-
-
 def require_readable(path: Path, most: int) -> None:
     """Refuse what is no regular file, or is larger than some bytes.
 

@@ -12,8 +12,8 @@ from typing import Any
 from xml.etree import ElementTree
 
 from stepover.locations import data_folder
-from stepover.robots.files import find_mesh
 from stepover.robots.loading import load_robot
+from stepover.robots.meshes import find_mesh
 
 PACKAGE = "stepover"
 FOLDER = Path(__file__).resolve().parents[1]
