@@ -18,6 +18,7 @@ EXTRAS = {
     "joblib": "studies",
     "matplotlib": "report",
     "meshcat": "report",
+    "mujoco": "mujoco",
     "nbformat": "notebooks",
     "papermill": "notebooks",
     "pybullet": "pybullet",
@@ -25,7 +26,13 @@ EXTRAS = {
     "pybullet_utils": "pybullet",
 }
 """The extra in pyproject.toml that installs each module which planning can do without."""
-NAMES = {"PIL": "Pillow", "pybullet": "PyBullet", "pybullet_data": "PyBullet", "pybullet_utils": "PyBullet"}
+NAMES = {
+    "PIL": "Pillow",
+    "mujoco": "MuJoCo",
+    "pybullet": "PyBullet",
+    "pybullet_data": "PyBullet",
+    "pybullet_utils": "PyBullet",
+}
 """Libraries that are called otherwise than their module."""
 LAST_PYTHON = {"pybullet": (3, 11)}
 """The last Python for which there are wheels of an extra."""

@@ -22,7 +22,7 @@ from stepover.simulation.pybullet.client import pybullet
 from stepover.simulation.run import simulate
 from stepover.simulation.touch import summed_up
 
-ENGINES = ["pybullet"]
+ENGINES = ["pybullet", "mujoco"]
 
 
 @pytest.fixture(params=ENGINES)

@@ -44,6 +44,7 @@ DOORS = {
     "pybullet": ("stepover.simulation.pybullet",),
     "pybullet_data": ("stepover.simulation.pybullet",),
     "pybullet_utils": ("stepover.simulation.pybullet",),
+    "mujoco": ("stepover.simulation.mujoco",),
     "meshcat": ("stepover.report.viewer",),
     "matplotlib.pyplot": ("stepover.report.figures",),
     "papermill": ("stepover.reproduction.run",),

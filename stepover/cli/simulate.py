@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from stepover.cli.commands import NOT_CROSSED, Command, complain, progress
-from stepover.cli.options import as_json, motion_file, new_file, pairs, physics, robot_file
+from stepover.cli.options import as_json, choice, motion_file, new_file, pairs, physics, robot_file
 from stepover.errors import InvalidInput
 from stepover.extras import needs
 
@@ -34,6 +34,7 @@ class _Disturbed(Command):
 @click.command(cls=_Disturbed)
 @motion_file
 @physics()
+@choice("--engine", ("pybullet", "mujoco"), "The physics engine.")
 @robot_file
 @click.option("--stabilizer/--no-stabilizer", default=False, show_default=True, help="Feedback from the sensors.")
 @click.option("--perturb", multiple=True, metavar="NAME=VALUE", callback=pairs, help="A disturbance, as listed below.")
@@ -43,6 +44,7 @@ def simulate(
     motion: str,
     actuators: str,
     sole: str,
+    engine: str,
     robot: str | None,
     stabilizer: bool,
     perturb: dict[str, str],
@@ -68,7 +70,7 @@ def simulate(
     planned = Motion.load(motion)
     model = load_robot(robot or planned.robot)
     run = run_simulation(
-        planned, actuators=actuators, sole=sole, stabilizer=stabilizer, perturb=disturbances, robot=model
+        planned, actuators=actuators, sole=sole, stabilizer=stabilizer, perturb=disturbances, robot=model, engine=engine
     )
     if video is not None:
         with progress("filming") as advance:

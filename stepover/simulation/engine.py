@@ -21,7 +21,10 @@ FLOOR, NO_FOOT = -1, -1
 """What Contacts.touched and Contacts.foot say of the floor, and of a link that is no foot."""
 DEFAULT = "pybullet"
 """The engine of the paper's cases."""
-_HOMES = {"pybullet": ("stepover.simulation.pybullet.world", "World")}
+_HOMES = {
+    "pybullet": ("stepover.simulation.pybullet.world", "World"),
+    "mujoco": ("stepover.simulation.mujoco.world", "World"),
+}
 
 
 @dataclass(frozen=True, eq=False)
