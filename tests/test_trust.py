@@ -4,14 +4,19 @@ from __future__ import annotations
 
 import dataclasses
 import gc
+import os
 import tracemalloc
+import warnings
+import zipfile
 from decimal import Decimal
 from fractions import Fraction
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from stepover import Infeasible, InvalidInput, Obstacle, plan
+from stepover import CorruptMotion, Infeasible, InvalidInput, Motion, Obstacle, plan, simulate
+from stepover.cli import main
 from stepover.planning.nearest import nearest_crossable
 
 MEGABYTE = 2**20
@@ -92,3 +97,197 @@ def test_numbers_become_floats_once(name, kind):
 def test_extras_is_true_or_false(robot, obstacle, extras):
     with pytest.raises(InvalidInput, match=f"extras = {extras!r} must be True or False"):
         plan(robot, obstacle, extras=extras)
+
+
+# Motion files
+
+
+def refusal(path):
+    """Why a file is refused as a motion, without a warning; "" where it loads."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        try:
+            Motion.load(path)
+        except CorruptMotion as error:
+            return str(error)
+    return ""
+
+
+@pytest.fixture
+def contents(motion, tmp_path):
+    """The arrays of the 15 cm motion's file."""
+    motion.save(tmp_path / "good.npz")
+    with np.load(tmp_path / "good.npz") as archive:
+        return {key: archive[key] for key in archive.files}
+
+
+@pytest.fixture
+def refused(contents, tmp_path):
+    """Load the motion with changes, which must be refused in one line, without a warning."""
+
+    def load(**changes):
+        np.savez(tmp_path / "bad.npz", **(contents | changes))
+        message = refusal(tmp_path / "bad.npz")
+        assert "\n" not in message
+        assert 0 < len(message) < 400
+        return message
+
+    return load
+
+
+FLOATS = ("q", "time", "com", "footsteps", "obstacle", "zmp")
+
+
+@pytest.mark.parametrize("key", FLOATS)
+@pytest.mark.parametrize("kind", [np.float16, np.float32, np.longdouble, complex, np.int64, bool, "S8", "U8"], ids=str)
+def test_numbers_of_another_type_are_refused(refused, contents, key, kind):
+    assert f"{key} has the type" in refused(**{key: contents[key].astype(kind)})
+
+
+@pytest.mark.parametrize("key", FLOATS)
+@pytest.mark.parametrize("value", [1e300, -1e300, 1e6])
+def test_numbers_beyond_sense_are_refused(refused, contents, key, value):
+    array = contents[key].copy()
+    array.flat[0] = value
+    assert f"{key} holds values beyond 1e+06" in refused(**{key: array})
+
+
+def test_numbers_of_the_other_byte_order_are_read(contents, motion, tmp_path):
+    swapped = {key: array.astype(array.dtype.newbyteorder(">")) for key, array in contents.items()}
+    np.savez(tmp_path / "swapped.npz", **swapped)
+    again = Motion.load(tmp_path / "swapped.npz")
+    assert again.hash() == motion.hash()
+    assert again.q.dtype.isnative
+
+
+@pytest.mark.parametrize("value", [0.0, 1e-6, 0.9, 1.1])
+def test_quaternions_of_q_have_unit_length(refused, contents, value):
+    q = contents["q"].copy()
+    q[100, 3:7] *= value
+    assert "q holds quaternions" in refused(q=q)
+
+
+def test_phases_come_in_their_order(refused, contents):
+    phase = contents["phase"]
+    swap = np.array([0, 2, 1, 3])
+    for wrong in (swap[phase], phase[::-1], np.where(phase == 0, -1, phase), np.full_like(phase, -1)):
+        assert "phase must be 0 throughout" in refused(phase=wrong)
+    again = phase.copy()
+    again[5] = 1
+    assert "phase must be 0 throughout" in refused(phase=again)
+
+
+@pytest.mark.parametrize("dt", [5.0, 0.051, 5e-5])
+def test_a_sample_time_beyond_sense_is_refused(refused, contents, dt):
+    assert "time goes in steps of" in refused(time=np.arange(len(contents["time"])) * dt)
+
+
+@pytest.mark.parametrize("key", ["robot", "planner", "version", "robot_fingerprint"])
+@pytest.mark.parametrize("name", ["a\x00b", "a\ud800b", "a\nb", "\x1b[31m", "x" * 201], ids=repr)
+def test_a_name_prints_and_is_short(refused, key, name):
+    assert f"{key} holds a text that is no name" in refused(**{key: np.array(name)})
+
+
+def test_the_names_of_joints_print(refused, contents):
+    names = contents["joint_names"].copy()
+    names[3] = "a\x00b"
+    assert "joint_names holds a text that is no name" in refused(joint_names=names)
+
+
+def test_an_obstacle_larger_than_any_is_refused(refused, contents):
+    rows = contents["obstacles"].copy()
+    rows[0, 2] = 11.0
+    assert "more than 10 m" in refused(obstacles=rows, obstacle=rows[0, :6])
+
+
+def test_large_members_are_refused_unread(file_with, contents):
+    """A file of some kilobytes may hold gigabytes of zeros."""
+    tracemalloc.start()
+    try:
+        for member, words in (("note.npy", "unknown members, such as 'note'"), ("com.npy", "bytes, a motion has")):
+            with pytest.raises(CorruptMotion, match=words):
+                Motion.load(file_with(member, 300))
+        assert tracemalloc.get_traced_memory()[1] < 20 * MEGABYTE
+    finally:
+        tracemalloc.stop()
+
+
+@pytest.fixture
+def file_with(contents, tmp_path):
+    """Write the motion with one member of some megabytes of zeros."""
+
+    def write(member, megabytes):
+        others = {key: value for key, value in contents.items() if f"{key}.npy" != member}
+        np.savez(tmp_path / "large.npz", **others)
+        with (
+            zipfile.ZipFile(tmp_path / "large.npz", "a", zipfile.ZIP_DEFLATED, compresslevel=1) as archive,
+            archive.open(member, "w") as stream,
+        ):
+            for _ in range(megabytes):
+                stream.write(bytes(10**6))
+        return tmp_path / "large.npz"
+
+    return write
+
+
+def test_a_header_that_promises_more_than_there_is_is_refused(contents, tmp_path):
+    np.savez(tmp_path / "m.npz", **contents)
+    with zipfile.ZipFile(tmp_path / "m.npz") as old, zipfile.ZipFile(tmp_path / "lies.npz", "w") as new:
+        for name in old.namelist():
+            content = old.read(name)
+            if name == "com.npy":
+                count = str(len(contents["time"])).encode()
+                content = content.replace(b"(" + count, b"(9" + count).replace(b"     \n", b"    \n", 1)
+            new.writestr(name, content)
+    with pytest.raises(CorruptMotion, match="com is shorter than it says"):
+        Motion.load(tmp_path / "lies.npz")
+
+
+def test_only_regular_files_of_a_sensible_size_are_read(tmp_path):
+    os.mkfifo(tmp_path / "pipe.npz")
+    (tmp_path / "zero.npz").symlink_to("/dev/zero")
+    with open(tmp_path / "large.npz", "wb") as file:
+        file.truncate(10**10)
+    for name, words in (
+        ("pipe", "not a regular file"),
+        ("zero", "not a regular file"),
+        ("large", "50,000,000 at most"),
+    ):
+        with pytest.raises(InvalidInput, match=words):
+            Motion.load(tmp_path / f"{name}.npz")
+
+
+@pytest.mark.parametrize("name", ["pipe.toml", "/dev/zero", "..", "a\\b"])
+def test_a_motion_opens_no_path(motion, tmp_path, monkeypatch, capsys, name):
+    monkeypatch.chdir(tmp_path)
+    os.mkfifo("pipe.toml")
+    other = dataclasses.replace(motion, robot=name)
+    other.save("m.npz")
+    words = "unknown robot" if name == ".." else "names its robot by the path"
+    with pytest.raises(InvalidInput, match=words):
+        simulate(other)
+    for command in (["simulate", "m.npz"], ["view", "m.npz", "--output", "m.html"]):
+        with pytest.raises(SystemExit) as left:
+            main(command)
+        assert left.value.code == 2
+        error = capsys.readouterr().err
+        assert words in error
+        assert error.count("\n") == 1
+    assert not Path("m.html").exists()
+
+
+def test_mutated_files_are_refused_or_load(contents, tmp_path):
+    """Odd numbers anywhere: CorruptMotion, or a motion; never a warning."""
+    rng, messages = np.random.default_rng(5), []
+    odd = [np.nan, np.inf, -1e308, 1e300, 1e15, -1.0, 0.0, 5e-324]
+    for _ in range(150):
+        spoilt = {key: array.copy() for key, array in contents.items()}
+        for key in rng.choice([key for key, array in contents.items() if array.dtype.kind in "if"], 2):
+            array = spoilt[key]
+            with np.errstate(invalid="ignore"), warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                array.flat[rng.integers(array.size)] = np.array(rng.choice(odd)).astype(array.dtype)
+        np.savez(tmp_path / "odd.npz", **spoilt)
+        messages.append(refusal(tmp_path / "odd.npz"))
+    assert sum(bool(message) for message in messages) > 100
+    assert not any("\n" in message for message in messages)

@@ -66,7 +66,7 @@ def simulate(
 
     disturbances = {name: _number(name, text) for name, text in perturb.items()} or None
     planned = Motion.load(motion)
-    model = load_robot(robot or planned.robot)
+    model = load_robot(robot or planned.robot_name)
     run = run_simulation(
         planned, actuators=actuators, sole=sole, stabilizer=stabilizer, perturb=disturbances, robot=model
     )

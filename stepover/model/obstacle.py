@@ -106,7 +106,7 @@ def _yaw(value: object) -> float:
 
 
 def _real(value: object) -> float:
-    """A real number as a float; NaN for anything else, such as True, "0.1" or a Decimal; infinity where it overflows."""
+    """A real number as a float; NaN for anything else, such as True or a Decimal; infinity where it overflows."""
     if isinstance(value, bool) or not isinstance(value, int | float | np.integer | np.floating):
         return float("nan")
     try:

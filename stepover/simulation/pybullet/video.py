@@ -149,7 +149,7 @@ def draw_surroundings(client: int, motion: Motion, obstacle: np.ndarray) -> None
 def replay(client: int, source: Run | Motion, times: np.ndarray, robot: Robot | None) -> Iterator[None]:
     """Load the robot into a client and put it, one after the other, where it is at times (K,) [s]."""
     motion = source.motion if isinstance(source, Run) else source
-    robot = robot or load_robot(motion.robot)
+    robot = robot or load_robot(motion.robot_name)
     with silenced():
         body = load_body(robot, client)
     index, local = names_of(body, client)[1], local_of(body, client)
