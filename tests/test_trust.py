@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import gc
 import os
+import threading
 import tracemalloc
 import warnings
 import zipfile
@@ -17,6 +18,7 @@ import pytest
 
 from stepover import CorruptMotion, Infeasible, InvalidInput, Motion, Obstacle, plan, simulate
 from stepover.cli import main
+from stepover.output import write_whole
 from stepover.planning.nearest import nearest_crossable
 
 MEGABYTE = 2**20
@@ -291,3 +293,35 @@ def test_mutated_files_are_refused_or_load(contents, tmp_path):
         messages.append(refusal(tmp_path / "odd.npz"))
     assert sum(bool(message) for message in messages) > 100
     assert not any("\n" in message for message in messages)
+
+
+# Writing
+
+
+@pytest.mark.parametrize("write", ["save", "save_csv"])
+def test_threads_may_save_to_one_path(motion, tmp_path, write):
+    
+    path, failed = tmp_path / "m", []
+
+    def save():
+        for _ in range(3):
+            try:
+                getattr(motion, write)(path)
+            except BaseException as error:
+                failed.append(error)
+
+    threads = [threading.Thread(target=save) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert failed == []
+    assert [one.name for one in tmp_path.iterdir()] == ["m"]
+    if write == "save":
+        assert Motion.load(path).hash() == motion.hash()
+
+
+def test_the_longest_name_of_a_file_is_written(tmp_path):
+    path = tmp_path / ("x" * 251 + ".npz")
+    write_whole(path, lambda file: file.write(b"1"))
+    assert [one.name for one in tmp_path.iterdir()] == [path.name]

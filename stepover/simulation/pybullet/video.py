@@ -18,6 +18,7 @@ from scipy.ndimage import gaussian_filter1d
 from stepover.errors import InvalidInput
 from stepover.model.robot import Robot
 from stepover.motion.motion import Motion
+from stepover.output import part_of
 from stepover.robots.loading import load_robot
 from stepover.simulation.measurements import Run
 from stepover.simulation.pybullet.client import load_body, local_of, names_of, place_body, pybullet, silenced
@@ -82,7 +83,7 @@ def record(
         raise InvalidInput(f"{path} cannot be written: {path.parent} is no folder that can be written to")
     time, _ = _states(source)
     times = np.arange(time[0], time[-1] + 1e-9, 1.0 / rate)
-    beside = path.with_name(f".{path.stem}.{os.getpid()}.part.mp4")
+    beside = part_of(path)
     try:
         film = imageio_ffmpeg.write_frames(
             beside, size, fps=rate, codec="libx264", quality=8, macro_block_size=2, ffmpeg_log_level="error"
