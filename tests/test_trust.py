@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import copy
 import dataclasses
 import gc
+import multiprocessing
 import os
+import pickle
 import threading
 import tracemalloc
 import warnings
@@ -16,7 +19,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stepover import CorruptMotion, Infeasible, InvalidInput, Motion, Obstacle, plan, simulate
+from stepover import CorruptMotion, Infeasible, InvalidInput, Motion, Obstacle, load_robot, plan, simulate
 from stepover.cli import main
 from stepover.output import write_whole
 from stepover.planning.nearest import nearest_crossable
@@ -300,7 +303,7 @@ def test_mutated_files_are_refused_or_load(contents, tmp_path):
 
 @pytest.mark.parametrize("write", ["save", "save_csv"])
 def test_threads_may_save_to_one_path(motion, tmp_path, write):
-    
+
     path, failed = tmp_path / "m", []
 
     def save():
@@ -325,3 +328,32 @@ def test_the_longest_name_of_a_file_is_written(tmp_path):
     path = tmp_path / ("x" * 251 + ".npz")
     write_whole(path, lambda file: file.write(b"1"))
     assert [one.name for one in tmp_path.iterdir()] == [path.name]
+
+
+# A robot in other processes
+
+
+@pytest.mark.parametrize("how", [copy.deepcopy, copy.copy, lambda robot: pickle.loads(pickle.dumps(robot))], ids=str)
+@pytest.mark.parametrize("name", ["hrp2", "jvrc1"])
+def test_a_robot_is_copied_and_pickled(how, name):
+    robot = load_robot(name)
+    robot.shapes, robot.leg(1), robot.slowed  # what is cached must not stand in the way
+    other = how(robot)
+    assert other is not robot
+    assert (other.fingerprint, other.posture, other.body.mass) == (robot.fingerprint, robot.posture, robot.body.mass)
+    assert other.slow == robot.slow
+    with pytest.raises(TypeError):
+        other.posture.angles_deg["LLEG_JOINT3"] = 1.0
+    q = np.tile(robot.half_sitting(), (5, 1))
+    np.testing.assert_array_equal(other.half_sitting(), robot.half_sitting())
+    np.testing.assert_array_equal(other.body.zmp(q, 0.005), robot.body.zmp(q, 0.005))
+    for one, own in zip(other.shapes, robot.shapes, strict=True):
+        np.testing.assert_array_equal(one.vertices, own.vertices)
+
+
+def test_a_robot_goes_through_a_pool_of_spawned_processes(robot, obstacle, motion):
+    with multiprocessing.get_context("spawn").Pool(1) as pool:
+        (planned,) = pool.starmap(plan, [(robot, obstacle)])
+    for name in ("q", "zmp", "com", "waist"):
+        np.testing.assert_array_equal(getattr(planned, name), getattr(motion, name))
+    planned.require_robot(robot)
