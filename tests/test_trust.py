@@ -8,6 +8,9 @@ import gc
 import multiprocessing
 import os
 import pickle
+import resource
+import subprocess
+import sys
 import threading
 import tracemalloc
 import warnings
@@ -19,8 +22,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import stepover
 from stepover import CorruptMotion, Infeasible, InvalidInput, Motion, Obstacle, load_robot, plan, simulate
 from stepover.cli import main
+from stepover.cli.simulate import plot_failure
 from stepover.output import write_whole
 from stepover.planning.nearest import nearest_crossable
 
@@ -357,3 +362,85 @@ def test_a_robot_goes_through_a_pool_of_spawned_processes(robot, obstacle, motio
     for name in ("q", "zmp", "com", "waist"):
         np.testing.assert_array_equal(getattr(planned, name), getattr(motion, name))
     planned.require_robot(robot)
+
+
+# Streams and disks
+
+PLAN = ("plan", "--height", "0.05", "--width", "0.05", "--output", "m.npz")
+REFUSED = ("plan", "--height", "-1", "--width", "0.05", "--output", "m.npz")
+
+
+def run(folder, *arguments, **options):
+    """Run a command; what it says on the streams that are not given otherwise."""
+    streams = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE} | options
+    command = [sys.executable, "-m", "stepover", *arguments]
+    return subprocess.run(command, cwd=folder, text=True, timeout=120, check=False, env=ENVIRONMENT, **streams)
+
+
+ENVIRONMENT = os.environ | {"PYTHONPATH": str(Path(stepover.__file__).parents[1])}
+
+
+@pytest.fixture
+def gone():
+    """A pipe whose reader has gone."""
+    reader, writer = os.pipe()
+    os.close(reader)
+    yield writer
+    os.close(writer)
+
+
+@pytest.mark.parametrize("arguments", [PLAN, ("--help",), ("plan", "--help")], ids=" ".join)
+def test_a_reader_that_has_gone_is_no_error(tmp_path, gone, arguments):
+    done = run(tmp_path, *arguments, stdout=gone)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert (tmp_path / "m.npz").exists() == (arguments is PLAN)
+
+
+@pytest.mark.parametrize("arguments", [PLAN, ("--help",)], ids=" ".join)
+def test_a_full_disk_behind_stdout_is_one_line(tmp_path, arguments):
+    with open("/dev/full", "w") as full:
+        done = run(tmp_path, *arguments, stdout=full)
+    assert done.returncode == 2
+    assert done.stderr.count("\n") == 1
+    assert "No space left on device" in done.stderr
+
+
+@pytest.mark.parametrize(("arguments", "code"), [(PLAN, 0), (REFUSED, 2)], ids=["plan", "refused"])
+@pytest.mark.parametrize("closed", [(0,), (1,), (2,), (0, 1, 2)], ids=str)
+def test_closed_streams_change_no_exit_code(tmp_path, arguments, code, closed):
+    done = run(tmp_path, *arguments, preexec_fn=lambda: [os.close(one) for one in closed])
+    assert done.returncode == code
+    assert done.stderr.count("\n") == (code == 2 and 2 not in closed)
+    assert (tmp_path / "m.npz").exists() == (code == 0)
+    if code == 0:
+        Motion.load(tmp_path / "m.npz")
+
+
+def test_a_full_disk_behind_stderr_changes_no_exit_code(tmp_path):
+    with open("/dev/full", "w") as full:
+        assert run(tmp_path, *REFUSED, stderr=full).returncode == 2
+
+
+def test_a_full_disk_is_one_line_and_leaves_no_part(tmp_path):
+    limit = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (10_000, 10_000))  # noqa: E731
+    done = run(tmp_path, *PLAN, preexec_fn=limit)
+    assert done.returncode == 2
+    assert done.stderr == "error: m.npz cannot be written: File too large\n"
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_full_disk_in_a_sweep_is_one_line(tmp_path):
+    limit = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (10, 10))  # noqa: E731
+    (tmp_path / "sizes.csv").write_text("height,width\n0.05,0.05\n")
+    done = run(tmp_path, "sweep", "sizes.csv", "--output", "t.csv", "--jobs", "1", preexec_fn=limit)
+    assert done.returncode == 2
+    assert done.stderr.splitlines()[-1] == "error: a file cannot be read or written: File too large"
+    assert "Traceback" not in done.stderr
+
+
+def test_where_a_failure_cannot_be_plotted_it_says_so(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(os, "access", lambda *_: False)
+    monkeypatch.setattr("stepover.report.figures.failure", lambda *_: None)
+    Path("build").write_text("a file")
+    assert plot_failure(None, Path("m.npz"), None).startswith("the second before it is not drawn: ")

@@ -96,7 +96,7 @@ def record(
                     progress(k / len(times))
         os.replace(beside, path)
     except OSError as error:
-        raise InvalidInput(f"{path} cannot be written: {error.strerror or error}") from error
+        raise InvalidInput(f"{path} cannot be written: {error.strerror or str(error).partition(chr(10))[0]}") from error
     finally:
         with suppress(OSError):
             beside.unlink(missing_ok=True)
