@@ -58,6 +58,10 @@ class Infeasible(StepOverError):
         """One line: the constraint, then what can be crossed instead."""
         return self.constraint if self.nearest is None else f"{self.constraint}; {self.nearest.as_advice()}"
 
+    def forget_frames(self) -> None:
+        """Drop traceback, cause and context: their frames keep the arrays of a failed attempt in memory."""
+        self.__traceback__ = self.__cause__ = self.__context__ = None
+
 
 class OutOfReach(Infeasible):
     """A sole that a leg cannot reach, by `short`."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import uuid
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
@@ -11,19 +12,24 @@ from typing import Any
 from stepover.errors import InvalidInput
 
 
+def part_of(path: Path) -> Path:
+    """A name beside a file for what is written of it so far: another one each time, for any thread and machine."""
+    return path.with_name(f".{path.stem[:40]}.{uuid.uuid4().hex}.part{path.suffix[:10]}")
+
+
 def write_whole(path: Path, write: Callable[[Any], None]) -> None:
     """Write a file beside its place and rename it: whole or not at all.
 
     Raises:
-        InvalidInput: the folder does not exist or cannot be written to.
+        InvalidInput: the folder does not exist or cannot be written to, or the disk is full.
     """
-    beside = path.with_name(f".{path.name}.{os.getpid()}.part")
+    beside = part_of(path)
     try:
         with open(beside, "wb") as file:
             write(file)
         os.replace(beside, path)
     except OSError as error:
-        raise InvalidInput(f"{path} cannot be written: {error.strerror}") from error
+        raise InvalidInput(f"{path} cannot be written: {error.strerror or error}") from error
     finally:
         with suppress(OSError):
             beside.unlink(missing_ok=True)

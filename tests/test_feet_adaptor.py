@@ -161,7 +161,7 @@ def test_without_any_method_it_says_what_remains(robot, high):
     result = adapt_feet(crossing, poses, methods=())
     assert not result.clear
     assert not result.acted
-    error = result.explain(crossing, poses.waist)
+    error = result.refusal(crossing, poses.waist).explain()
     assert "LLEG_LINK3" in str(error)
     assert f"{1e3 * error.short:.1f} mm inside" in str(error)
 

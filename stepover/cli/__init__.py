@@ -24,8 +24,8 @@ from stepover.cli.view import view
 def main() -> None:
     """Humanoid robots that walk dynamically over large obstacles, after Stasse et al., T-RO 2009.
 
-    Lengths are in metres, times in seconds. Exit codes: 0 done, 2 bad input, 3 the obstacle cannot be crossed,
-    4 the simulated robot fell or touched the obstacle.
+    Lengths are in metres, times in seconds. Exit codes: 0 done, 2 bad input or no place to write, 3 the obstacle
+    cannot be crossed, 4 the simulated robot fell or touched the obstacle, 130 interrupted.
     """
 
 

@@ -1,7 +1,8 @@
 """What all commands share: one-line errors, exit codes, a progress bar.
 
-Exit codes: 0 done; 2 bad input; 3 an obstacle that cannot be crossed; 4 the simulated robot fell or touched the
-obstacle; 130 interrupted. An error is one line on stderr. With --json, stdout is exactly one JSON object.
+Exit codes: 0 done; 2 bad input, or a file that cannot be written; 3 an obstacle that cannot be crossed; 4 the simulated
+robot fell or touched the obstacle; 130 interrupted. An error is one line on stderr. With --json, stdout is exactly one
+JSON object.
 """
 
 from __future__ import annotations
@@ -12,11 +13,11 @@ import sys
 from collections import Counter
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any, NoReturn, TextIO
 
 import click
 
-from stepover.errors import Infeasible, StepOverError
+from stepover.errors import Infeasible, InvalidInput, StepOverError
 from stepover.extras import needs
 
 DONE, BAD_INPUT, INFEASIBLE, NOT_CROSSED, INTERRUPTED = 0, 2, 3, 4, 130
@@ -34,8 +35,14 @@ class Commands(click.Group):
     def main(self, *args: Any, **options: Any) -> Any:
         """Run a command and leave with its exit code."""
         options["standalone_mode"] = False
+        _open_streams()
         try:
             sys.exit(super().main(*args, **options) or DONE)
+        except SystemExit as left:  # click leaves with 1 where the reader of a help page has gone
+            raise SystemExit(DONE if left.code == 1 else left.code) from None
+        except OSError as error:  # a help page on a full disk
+            _drop(sys.stdout)
+            complain(_unwritten(error), BAD_INPUT)
         except click.exceptions.NoArgsIsHelpError as error:
             click.echo(error.format_message(), err=True)
             sys.exit(BAD_INPUT)
@@ -51,6 +58,13 @@ class Commands(click.Group):
 
 class Command(click.Command):
     """A command that takes each option once: of two values, neither wins in silence."""
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Run it; what the operating system refuses, such as a full disk, is bad input."""
+        try:
+            return super().invoke(ctx)
+        except OSError as error:
+            raise InvalidInput(_unwritten(error)) from error
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """Refuse an option that is given again, unless it may be repeated."""
@@ -68,8 +82,50 @@ def exit_code(error: StepOverError) -> int:
 
 def complain(message: str, code: int) -> NoReturn:
     """Print one line on stderr and leave."""
-    click.echo(f"error: {' '.join(message.split())}", err=True)
+    try:
+        click.echo(f"error: {' '.join(message.split())}", err=True)
+    except OSError:  # nobody can be told
+        _drop(sys.stderr)
     sys.exit(code)
+
+
+def say(text: str) -> None:
+    """Print on stdout; where its reader has gone, as with "| head", the rest is dropped and the work goes on.
+
+    Raises:
+        InvalidInput: stdout cannot be written to: the disk is full.
+    """
+    try:
+        click.echo(text)
+    except BrokenPipeError:
+        _drop(sys.stdout)
+    except OSError as error:
+        _drop(sys.stdout)
+        raise InvalidInput(f"standard output cannot be written: {error.strerror}") from error
+
+
+def _unwritten(error: OSError) -> str:
+    """What the operating system refused, in a few words."""
+    return f"{error.filename or 'a file'} cannot be read or written: {error.strerror or error}"
+
+
+def _open_streams() -> None:
+    """Lead stdout and stderr to nowhere where they are closed: else the first file to be opened takes their place."""
+    for name, descriptor in (("stdin", 0), ("stdout", 1), ("stderr", 2)):
+        try:
+            os.fstat(descriptor)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)  # takes the lowest free number
+        if getattr(sys, name) is None:
+            setattr(sys, name, os.fdopen(descriptor, "r" if descriptor == 0 else "w", closefd=False))
+
+
+def _drop(stream: TextIO) -> None:
+    """Lead a stream to nowhere, so that what is left in it does no harm when Python ends."""
+    with contextlib.suppress(OSError, ValueError):
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, stream.fileno())
+        os.close(nowhere)
 
 
 @contextlib.contextmanager

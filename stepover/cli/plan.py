@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 from click.core import ParameterSource
 
-from stepover.cli.commands import Command, progress
+from stepover.cli.commands import Command, progress, say
 from stepover.cli.options import as_json, choice, margins, new_file, planner_choices
 from stepover.errors import InvalidInput
 from stepover.planning.planner import PLANNERS, find_planner
@@ -74,7 +74,7 @@ def plan(
     motion.save(output)
     if csv is not None:
         motion.save_csv(csv)
-    click.echo(summary.as_line(result) if as_json else f"{summary.plan_summary(result)}\n\nwritten to {output}")
+    say(summary.as_line(result) if as_json else f"{summary.plan_summary(result)}\n\nwritten to {output}")
 
 
 def _planned(name: str, robot: Robot, obstacle: Obstacle, own: dict[str, Any]) -> tuple[Motion, dict[str, Any]]:

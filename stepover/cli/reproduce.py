@@ -6,7 +6,7 @@ from collections import Counter
 
 import click
 
-from stepover.cli.commands import Command
+from stepover.cli.commands import Command, say
 from stepover.cli.options import pairs
 
 
@@ -35,6 +35,6 @@ def reproduce(only: str | None, parameters: dict[str, str]) -> None:
     folders = Counter(f"{path.parent.relative_to(top)}/" for path in written if path.parent != top)
     made = [f"{count} file{'s' * (count > 1)} in {folder}" for folder, count in folders.items()]
     copies = "build/experiment/" if parameters else "build/notebooks/"
-    click.echo(f"written: {', '.join([*made, f'executed notebooks in {copies}'])}")
+    say(f"written: {', '.join([*made, f'executed notebooks in {copies}'])}")
     if not parameters:
-        click.echo(tally(read_entries(top / "figures" / "claims.json")))
+        say(tally(read_entries(top / "figures" / "claims.json")))

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from stepover.cli.commands import NOT_CROSSED, Command, complain, progress
+from stepover.cli.commands import NOT_CROSSED, Command, complain, progress, say
 from stepover.cli.options import as_json, choice, motion_file, new_file, pairs, physics, robot_file
 from stepover.errors import InvalidInput
 from stepover.extras import needs
@@ -68,16 +68,16 @@ def simulate(
 
     disturbances = {name: _number(name, text) for name, text in perturb.items()} or None
     planned = Motion.load(motion)
-    model = load_robot(robot or planned.robot)
+    model = load_robot(robot or planned.robot_name)
     run = run_simulation(
         planned, actuators=actuators, sole=sole, stabilizer=stabilizer, perturb=disturbances, robot=model, engine=engine
     )
     if video is not None:
         with progress("filming") as advance:
             record(run, video, robot=model, progress=advance)
-    click.echo(summary.as_line(run.to_json()) if as_json else summary.run_summary(run))
+    say(summary.as_line(run.to_json()) if as_json else summary.run_summary(run))
     if video is not None and not as_json:
-        click.echo(f"\nfilmed in {video}")
+        say(f"\nfilmed in {video}")
     if not run.crossed:
         complain(f"{run.explanation}; {plot_failure(run, video or Path(motion), model)}", NOT_CROSSED)
 
@@ -91,16 +91,17 @@ def _number(name: str, text: str) -> float:
 
 
 def plot_failure(run: Run, beside: Path, robot: Robot) -> str:
-    """Plot the second before the failure beside a file, or in build/; say where."""
+    """Plot the second before the failure beside a file, or in build/; say where, or why there is none."""
     try:
         with needs("a plot of the second before it"):
             from stepover.report import figures
     except InvalidInput as error:
         return str(error)
-    folder = beside.parent
-    if not os.access(folder, os.W_OK):
-        folder = Path("build")
-        folder.mkdir(exist_ok=True)
+    folder = beside.parent if os.access(beside.parent, os.W_OK) else Path("build")
     path = folder / f"{beside.stem}_failure.png"
-    figures.save(figures.failure(robot, run), path)
+    try:
+        folder.mkdir(exist_ok=True)
+        figures.save(figures.failure(robot, run), path)
+    except (InvalidInput, OSError) as error:
+        return f"the second before it is not drawn: {error}"
     return f"the second before it is drawn in {path}"

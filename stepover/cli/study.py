@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from stepover.cli.commands import Command, goes_on, one_thread_a_process
+from stepover.cli.commands import Command, goes_on, one_thread_a_process, say
 from stepover.cli.options import as_json, new_file, physics, robot_file
 from stepover.errors import InvalidInput
 
@@ -82,6 +82,6 @@ def study(
     if picture is not None:
         figures.save(figures.robustness(rows), picture)
     if as_json:
-        click.echo(summary.as_line(success_rates.study_to_json(rows)))
+        say(summary.as_line(success_rates.study_to_json(rows)))
     else:
-        click.echo(f"{summary.aligned(success_rates.study_summary(rows))}\n\nwritten to {output}")
+        say(f"{summary.aligned(success_rates.study_summary(rows))}\n\nwritten to {output}")

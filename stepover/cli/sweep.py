@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from stepover.cli.commands import Command, goes_on, one_thread_a_process
+from stepover.cli.commands import Command, goes_on, one_thread_a_process, say
 from stepover.cli.options import as_json, margins, new_file, planner_choices
 from stepover.errors import InvalidInput
 
@@ -74,6 +74,6 @@ def sweep(
         rows = sweeping.sweep([sweeping.Point(*size, **how) for size in sizes], output, dask or jobs)
     result = sweeping.summary(rows)
     if as_json:
-        click.echo(summary.as_line(result))
+        say(summary.as_line(result))
     else:
-        click.echo(f"{summary.aligned(sweeping.summary_lines(result))}\n\nwritten to {output}")
+        say(f"{summary.aligned(sweeping.summary_lines(result))}\n\nwritten to {output}")

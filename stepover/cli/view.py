@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from stepover.cli.commands import Command
+from stepover.cli.commands import Command, say
 from stepover.cli.options import motion_file, new_file, robot_file
 
 
@@ -28,5 +28,5 @@ def view(motion: str, output: Path, time: float | None, robot: str | None) -> No
     from stepover.robots.loading import load_robot
 
     planned = Motion.load(motion)
-    save_page(load_robot(robot or planned.robot), planned, output, time)
-    click.echo(f"written to {output}; open it in a browser")
+    save_page(load_robot(robot or planned.robot_name), planned, output, time)
+    say(f"written to {output}; open it in a browser")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import sys
+import reprlib
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,11 +13,17 @@ LATERAL_HALF_EXTENT = 1.0
 """Half length of the beam along y [m]: longer than any robot here is wide, so that it is met in profile."""
 FLOOR_DEPTH = 1.0
 """How far below the floor the obstacle reaches [m]: no way out of a penetration leads downwards."""
+LARGEST = 10.0
+"""Largest height, width or margin [m]: more is a wrong unit."""
+FARTHEST = 20.0
+"""Largest distance [m]: more is a wrong unit, and a walk of a minute and more to plan."""
 
 
 @dataclass(frozen=True)
 class Obstacle:
     """A beam across the way: o_h, o_w, s_h, s_w of the paper.
+
+    Python's and NumPy's integers and floats are taken, and kept as Python floats.
 
     Attributes:
         height: o_h [m], of the bare obstacle.
@@ -28,8 +34,9 @@ class Obstacle:
         yaw: how far the beam is turned to the left, about the point where the path meets its front face [rad].
 
     Raises:
-        InvalidInput: a value that is not a finite number; a height, width or distance that is not positive; a negative
-            margin; a yaw that does not lie between -pi/2 and pi/2.
+        InvalidInput: a value that is not a real number; a height, width or distance that is not positive; a negative
+            margin; a length of more than LARGEST, a distance of more than FARTHEST; a yaw that does not lie between
+            -pi/2 and pi/2.
     """
 
     height: float
@@ -42,10 +49,10 @@ class Obstacle:
     def __post_init__(self) -> None:
         """Refuse what is no obstacle."""
         for name, positive in (("height", True), ("width", True), ("margin_height", False), ("margin_width", False)):
-            _require_length(name, getattr(self, name), positive)
+            object.__setattr__(self, name, _length(name, getattr(self, name), positive, LARGEST))
         if self.distance is not None:
-            _require_length("distance", self.distance, positive=True)
-        _require_yaw(self.yaw)
+            object.__setattr__(self, "distance", _length("distance", self.distance, True, FARTHEST))
+        object.__setattr__(self, "yaw", _yaw(self.yaw))
 
     @property
     def safe_height(self) -> float:
@@ -79,22 +86,38 @@ class Obstacle:
         )
 
 
-def _require_length(name: str, value: float, positive: bool) -> None:
-    """Refuse a length that is not a finite number or has the wrong sign."""
-    kind = "a positive" if positive else "a non-negative"
-    try:
-        good = abs(value) <= sys.float_info.max and (value > 0.0 if positive else value >= 0.0)
-    except TypeError:
-        good = False
-    if not good:
-        raise InvalidInput(f"obstacle {name} = {value!r} must be {kind} finite number of metres")
+def _length(name: str, value: object, positive: bool, most: float) -> float:
+    """A length as a float; refused where it is no real number, has the wrong sign or is too long."""
+    length = _real(value)
+    if not (0.0 < length < np.inf if positive else 0.0 <= length < np.inf):
+        kind = "a positive" if positive else "a non-negative"
+        raise InvalidInput(f"obstacle {name} = {_shown(value)} must be {kind} finite number of metres")
+    if length > most:
+        raise InvalidInput(f"obstacle {name} = {_shown(value)} must be {most:g} m at most")
+    return length
 
 
-def _require_yaw(yaw: float) -> None:
-    """Refuse an angle that is not a number, or with which the beam would lie along the path."""
+def _yaw(value: object) -> float:
+    """An angle as a float; refused where it is no real number, or where the beam would lie along the path."""
+    yaw = _real(value)
+    if not abs(yaw) < np.pi / 2.0:
+        raise InvalidInput(f"obstacle yaw = {_shown(value)} must be an angle between -pi/2 and pi/2 rad")
+    return yaw
+
+
+def _real(value: object) -> float:
+    """A real number as a float; NaN for anything else, such as True or a Decimal; infinity where it overflows."""
+    if isinstance(value, bool) or not isinstance(value, int | float | np.integer | np.floating):
+        return float("nan")
     try:
-        good = abs(yaw) < np.pi / 2.0
-    except TypeError:
-        good = False
-    if not good:
-        raise InvalidInput(f"obstacle yaw = {yaw!r} must be an angle between -pi/2 and pi/2 rad")
+        return float(value)
+    except OverflowError:
+        return float("inf")
+
+
+def _shown(value: object) -> str:
+    """A refused value in a few characters, on one line."""
+    try:
+        return " ".join(reprlib.repr(value).split())
+    except ValueError:  # Python does not write integers of thousands of digits
+        return f"a huge {type(value).__name__}"

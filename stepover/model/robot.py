@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -72,6 +73,14 @@ class Robot:
     sole: SoleRubber = field(default_factory=SoleRubber)
     stabilizer: Stabilization = field(default_factory=Stabilization)
     slow: Mapping[str, Any] = field(default_factory=dict)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What pickle and deepcopy take: the fields; what follows from them is computed anew."""
+        return {one.name: getattr(self, one.name) for one in fields(self)} | {"slow": dict(self.slow)}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Take it back."""
+        self.__dict__.update(state, slow=MappingProxyType(state["slow"]))
 
     @cached_property
     def description(self) -> Description:

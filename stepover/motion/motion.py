@@ -33,7 +33,7 @@ class Motion:
         phase: (N,) 0 walking, 1, 2, 3 the phases of Sec. II; all 0 where the planner has none.
         footsteps: where the feet come down and when.
         obstacles: (M, 7) front face x, width, height, margin_width, margin_height, lateral half extent [m], yaw [rad].
-        robot: its name, or the path of its robot.toml.
+        robot: its name; `robot_name` refuses a path.
         robot_fingerprint: Robot.fingerprint of the robot that it was planned for; "" where that is not known.
         planner: name of the planner; "" where that is not known.
         zmp_first_stage: (N, 2) multi-body ZMP before the dynamic filter [m]; None where the planner has none.
@@ -106,6 +106,17 @@ class Motion:
         rounded = np.round(self.q * 1e6).astype(np.int64) + 0
         return hashlib.sha256(rounded.tobytes()).hexdigest()
 
+    @property
+    def robot_name(self) -> str:
+        """The robot's name, to load it by: a motion from elsewhere never says which file is opened.
+
+        Raises:
+            InvalidInput: it is a path.
+        """
+        if Path(self.robot).suffix == ".toml" or {"/", "\\"} & set(self.robot):
+            raise InvalidInput(f"the motion names its robot by the path {self.robot!r}: give that robot.toml yourself")
+        return self.robot
+
     def require_robot(self, robot: Robot) -> None:
         """Refuse a robot that the motion was not planned for.
 
@@ -150,8 +161,8 @@ class Motion:
         """Read a motion file, of format 1 or 2.
 
         Raises:
-            InvalidInput: no such file.
-            CorruptMotion: it is cut short, not a motion, lacks a key, or contradicts itself.
+            InvalidInput: no such file, not a regular file, or too large.
+            CorruptMotion: it is cut short, not a motion, lacks a key, has an unknown one, or contradicts itself.
         """
         motion: Motion = formats.find("npz").load(Path(path))
         return motion

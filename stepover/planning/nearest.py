@@ -6,6 +6,7 @@ import dataclasses
 import itertools
 import math
 from collections.abc import Callable
+from functools import cache
 
 import numpy as np
 
@@ -22,6 +23,8 @@ def nearest_crossable(
 ) -> Obstacle | None:
     """Obstacle nearest to one that cannot be crossed: lower, or narrower, or, where neither helps, both.
 
+    Where no lower one and not even the smallest can be crossed, the size is not what is wrong, and the search ends.
+
     Args:
         obstacle: the one that cannot be crossed.
         crossable: tells whether another one can.
@@ -32,17 +35,22 @@ def nearest_crossable(
     """
     here = np.array([obstacle.height, obstacle.width])
     lower, narrower = np.minimum([SMALLEST, here[1]], here), np.minimum([here[0], SMALLEST], here)
-    tries, tried = _tries(lower - here) + _tries(narrower - here), itertools.count(1)
+    smallest = np.minimum(lower, narrower)
+    tries, tried = 1 + _tries(lower - here) + _tries(narrower - here), itertools.count(1)
 
+    @cache
     def works(other: Obstacle) -> bool:
         yes = crossable(other)
         if progress is not None:
             progress(min(next(tried) / tries, 1.0))
         return yes
 
-    found = [_farthest(obstacle, here, goal - here, works) for goal in (lower, narrower)]
+    found = [_farthest(obstacle, here, lower - here, works)]
+    if found[0] is None and not works(_resized(obstacle, smallest)):
+        return None
+    found.append(_farthest(obstacle, here, narrower - here, works))
     if not any(found):
-        found = [_farthest(obstacle, here, np.minimum([SMALLEST, SMALLEST], here) - here, works)]
+        found = [_farthest(obstacle, here, smallest - here, works)]
     good = [one for one in found if one is not None]
     return min(good, key=lambda one: np.hypot(one.height - here[0], one.width - here[1]), default=None)
 
@@ -58,8 +66,7 @@ def _farthest(
     """Obstacle with the least share of a change of height and width (2,) that can be crossed, by bisection."""
 
     def at(share: float) -> Obstacle:
-        height, width = np.floor((here + share * change) * 1e3 + 1e-6) / 1e3
-        return dataclasses.replace(obstacle, height=float(height), width=float(width))
+        return _resized(obstacle, here + share * change)
 
     low, high = 0.0, 1.0
     if not np.any(change) or not crossable(at(high)):
@@ -68,3 +75,9 @@ def _farthest(
         middle = (low + high) / 2.0
         low, high = (low, middle) if crossable(at(middle)) else (middle, high)
     return at(high)
+
+
+def _resized(obstacle: Obstacle, size: np.ndarray) -> Obstacle:
+    """The obstacle with another height and width (2,) [m], down to whole millimetres."""
+    height, width = np.floor(size * 1e3 + 1e-6) / 1e3
+    return dataclasses.replace(obstacle, height=float(height), width=float(width))

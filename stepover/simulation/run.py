@@ -62,7 +62,7 @@ def simulate(
             known = ", ".join(str(x) for x in AVAILABLE[name])
             raise InvalidInput(f"{name} = {value!r} is not available; available: {known}")
     disturbances = Disturbances.read(perturb or {}, motion)
-    robot = load_robot(motion.robot) if robot is None else robot
+    robot = load_robot(motion.robot_name) if robot is None else robot
     require_type("robot", robot, Robot, "load_robot(...)")
     motion.require_robot(robot)
     if len(motion.obstacles) > 1 or motion.obstacles[0, 6] != 0.0:

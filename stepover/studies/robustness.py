@@ -82,7 +82,7 @@ def points(
     robot: str | None = None,
 ) -> list[Point]:
     """Simulations of a study: each draw without and with the stabilizer."""
-    drawn, carried, robot = [draw(motion, seed, k) for k in range(runs)], motion.hash(), robot or motion.robot
+    drawn, carried, robot = [draw(motion, seed, k) for k in range(runs)], motion.hash(), robot or motion.robot_name
     return [Point(one, stabilizer, actuators, sole, robot, carried) for one in drawn for stabilizer in (False, True)]
 
 
@@ -131,7 +131,7 @@ def study(
         InvalidInput: the motion is for a robot that is not known here, or not for that robot.
     """
     motion = motion or plan(robot_of(robot or "hrp2"), Obstacle(HEIGHT, WIDTH))
-    robot = robot or motion.robot
+    robot = robot or motion.robot_name
     if list(motion.joint_names) != robot_of(robot).body.joint_names:
         raise InvalidInput(f"the motion's joints are not those of {robot!r}")
     work, name = points(motion, runs, seed, actuators, sole, robot), table.stem if table else NAME

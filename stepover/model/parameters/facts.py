@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import types
 from dataclasses import dataclass
+from typing import Any
 
 from stepover.model.parameters.entry import MODEL, fact, parameter
 
@@ -46,6 +47,14 @@ class Posture:
     angles_deg: types.MappingProxyType[str, float] = fact("deg", "joint angles; other joints stand at 0", sign="any")
     waist_height: float = fact("m", "root above the floor, with both soles on it", scale=MODEL)
     feet_apart: float = fact("m", "distance between the ankles across", scale=MODEL)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What pickle and deepcopy take: a mappingproxy is nothing for them."""
+        return {**self.__dict__, "angles_deg": dict(self.angles_deg)}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Take it back."""
+        self.__dict__.update(state, angles_deg=types.MappingProxyType(state["angles_deg"]))
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from stepover.errors import CorruptMotion, InvalidInput
+from stepover.errors import CorruptMotion
+from stepover.model.obstacle import LARGEST
+from stepover.motion.archive import read_arrays, require_file
 from stepover.motion.footsteps import Footsteps, Kind
 from stepover.motion.motion import Motion
 from stepover.output import write_whole
@@ -26,6 +28,14 @@ SHAPES: dict[str, tuple[str | int, ...]] = {
 }  # fmt: skip
 """Every key of a motion file with its shape: N samples, Q coordinates, J = Q - 7 joints, K steps, M obstacles."""
 TEXTS = ("joint_names", "robot", "robot_fingerprint", "planner", "version")
+WHOLE = ("support", "phase", "format")
+"""Keys of whole numbers; all others but TEXTS hold floats of 8 bytes."""
+LONGEST_TEXT = 200
+"""Characters of a name."""
+BOUND = 1e6
+"""Every number is smaller, in SI units."""
+SAMPLE_TIMES = 1e-4, 0.05
+"""Least and largest sample time [s]."""
 SINCE_2 = ("obstacles", "robot_fingerprint", "planner")
 """Keys that format 1 does not have."""
 OPTIONAL = ("zmp_first_stage", "key_configuration")
@@ -48,32 +58,24 @@ def load(path: Path) -> Motion:
     """Read a motion.
 
     Raises:
-        InvalidInput: no such file.
-        CorruptMotion: it is cut short, not a motion, lacks a key, or contradicts itself.
+        InvalidInput: no such file, not a regular file, or too large.
+        CorruptMotion: it is cut short, not a motion, lacks a key, has an unknown one, or contradicts itself.
     """
-    if not path.is_file():
-        raise InvalidInput(f"{path}: no such file; 'python -m stepover plan' writes one")
+    require_file(path)
     try:
-        with np.load(path, allow_pickle=False) as archive:
-            arrays = {key: _array(archive[key]) for key in archive.files if key in SHAPES}
-    except Exception as error:  # whatever numpy, zip and zlib make of arbitrary bytes
-        raise CorruptMotion(f"{path} is not a whole motion file ({type(error).__name__}); plan it anew") from error
-    try:
+        arrays, others = read_arrays(path, SHAPES)
         arrays = _as_format_2(arrays)
+        if others:
+            raise CorruptMotion(f"holds unknown members, such as {others[0][:LONGEST_TEXT]!r}")
         _check(arrays)
     except CorruptMotion as error:
         raise CorruptMotion(f"{path}: {error}") from None
+    except Exception as error:  # whatever numpy, zip and zlib make of arbitrary bytes
+        raise CorruptMotion(f"{path} is not a whole motion file ({type(error).__name__}); plan it anew") from error
     values: dict[str, Any] = {key: str(value) if value.ndim == 0 else value for key, value in arrays.items()}
     for key in ("obstacle", "format"):  # said by obstacles; a matter of the file
         del values[key]
     return Motion(**(values | {"footsteps": Footsteps.from_rows(arrays["footsteps"])}))
-
-
-def _array(member: Any) -> np.ndarray:
-    """A member of the archive, which is bytes where it is no array."""
-    if not isinstance(member, np.ndarray):
-        raise TypeError("no array")
-    return member
 
 
 def _as_format_2(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
@@ -104,8 +106,11 @@ def _check(arrays: dict[str, np.ndarray]) -> None:
     steps = np.diff(arrays["time"])
     if len(steps) < 2 or steps.min() <= 0.0 or np.ptp(steps) > 1e-6:
         raise CorruptMotion("time is not uniform")
-    for key in ("waist", "left_foot", "right_foot"):
-        if np.abs(np.linalg.norm(arrays[key][:, 3:], axis=1) - 1.0).max() > 1e-6:
+    least, most = SAMPLE_TIMES
+    if not least <= steps.mean() <= most:
+        raise CorruptMotion(f"time goes in steps of {steps.mean():g} s, it must be {least:g} to {most:g} s")
+    for key in ("q", "waist", "left_foot", "right_foot"):
+        if np.abs(np.linalg.norm(arrays[key][:, 3:7], axis=1) - 1.0).max() > 1e-6:
             raise CorruptMotion(f"{key} holds quaternions that have no unit length")
     if np.abs(arrays["q"][:, :3] - arrays["waist"][:, :3]).max() > 1e-4:
         raise CorruptMotion("waist and q disagree")
@@ -118,17 +123,23 @@ def _require_shape(key: str, array: np.ndarray, sizes: dict[str, int]) -> None:
     bound = [sizes.setdefault(n, size) if isinstance(n, str) else n for n, size in zip(shape, actual, strict=False)]
     if len(actual) != len(shape) or tuple(bound) != actual:
         raise CorruptMotion(f"{key} has the shape {actual}, expected {shape}")
-    if array.dtype.kind not in ("U" if key in TEXTS else "iuf"):
-        raise CorruptMotion(f"{key} has the type {array.dtype}")
-    if array.dtype.kind == "f" and not np.isfinite(array).all():
+    if array.dtype.kind not in ("U" if key in TEXTS else "iu" if key in WHOLE else "f"):
+        raise CorruptMotion(f"{key} has the type {array.dtype.name}")
+    if key in TEXTS:
+        if not all(len(text) <= LONGEST_TEXT and text.isprintable() for text in array.ravel().tolist()):
+            raise CorruptMotion(f"{key} holds a text that is no name: too long, or with characters that do not print")
+    elif not np.isfinite(array).all():
         raise CorruptMotion(f"{key} holds values that are not finite")
+    elif not ((array < BOUND) & (array > -BOUND)).all():
+        raise CorruptMotion(f"{key} holds values beyond {BOUND:g}")
 
 
 def _check_meaning(arrays: dict[str, np.ndarray]) -> None:
     """Refuse phases, supports, footsteps and obstacles that do not exist."""
-    phases = np.unique(arrays["phase"]).tolist()
-    if phases not in ([0], [0, 1, 2, 3]) or arrays["phase"][-1] != 0:
-        raise CorruptMotion(f"phase holds {phases}: it must hold 0 alone or 0, 1, 2 and 3, and end with 0")
+    phase = arrays["phase"]
+    begins = np.flatnonzero(np.append(True, np.diff(phase) != 0))
+    if phase[begins[:6]].tolist() not in ([0], [0, 1, 2, 3, 0]):
+        raise CorruptMotion("phase must be 0 throughout, or go from 0 through 1, 2 and 3, and end with 0")
     if not np.isin(arrays["support"], (-1, 0, 1)).all():
         raise CorruptMotion("support holds other values than -1, 0 and 1")
     side, kind = arrays["footsteps"][:, [1, 5]].T
@@ -141,3 +152,5 @@ def _check_meaning(arrays: dict[str, np.ndarray]) -> None:
         raise CorruptMotion("the obstacle has no positive width and height")
     if not ((obstacles[:, 3:6] >= 0.0).all() and (np.abs(obstacles[:, 6]) < np.pi / 2.0).all()):
         raise CorruptMotion("the obstacle has a negative margin or extent, or is turned by 90 degrees or more")
+    if not (obstacles[:, 1:5] <= LARGEST).all():
+        raise CorruptMotion(f"the obstacle has a size or a margin of more than {LARGEST:g} m")

@@ -10,16 +10,18 @@ zero speed, at lift-off and landing.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from scipy.ndimage import gaussian_filter1d, maximum_filter1d
 
 from stepover.errors import Infeasible, TrailingLegBlocked
+from stepover.model.robot import Robot
 from stepover.motion.footsteps import LEG_2
 from stepover.planning.algorithm_1.penetration import ankle_displacements
 from stepover.planning.algorithm_1.shift_and_raise import best_candidate, displaced, raise_waist, shift_back, waist_bump
 from stepover.planning.algorithm_1.step_sequence import Crossing
-from stepover.planning.leg_check import check_legs, leg_is_free
+from stepover.planning.leg_check import LegLimits, check_legs, leg_is_free
 from stepover.planning.trajectories import FeetTrajectories, WaistAndFeet
 
 
@@ -60,26 +62,27 @@ class Adaptation:
 
     def refusal(self, crossing: Crossing, waist: np.ndarray) -> Infeasible:
         """What to raise where it is not clear, for the waist that was given to adapt_feet (N, 7)."""
-        if self.inside > 0.0:
-            return TrailingLegBlocked(self.inside, lambda: self.explain(crossing, waist))
-        return self.explain(crossing, waist)
-
-    def explain(self, crossing: Crossing, waist: np.ndarray) -> Infeasible:
-        """What remains where it is not clear: the link, the depth and when."""
         robot, sequence = crossing.robot, crossing.sequence
         step, lifted = sequence.step(LEG_2), raise_waist(robot, sequence, waist, self.raised)
-        check = check_legs(robot, WaistAndFeet(lifted, self.feet).at(step.swing), crossing.limits, up_to=0.0)
-        worst = int(np.argmin(check.separation))
-        if check.separation[worst] >= 0.0:
-            worst = int(np.argmin(np.where(check.reach > 0.0, -1e3 * check.reach, check.limit)))
-            over, past, short = 1e3 * check.reach[worst], -np.degrees(check.limit[worst]), np.inf
-            folded = f"a leg's joint is {past:.1f} degrees past its limit"
-            what = f"a sole is {over:.1f} mm out of reach" if over > 0.0 else folded
-        else:
-            link, short = robot.shapes[check.shape[worst]].link, float(-check.separation[worst])
-            what = f"{link} stays {1e3 * short:.1f} mm inside the obstacle's safety margin"
-        when = f"t = {sequence.time[step.lift_off + worst]:.3f} s (phase 3)"
-        return Infeasible(f"FTA cannot free the trailing leg: {what} at {when}", short=short)
+        over = np.arange(step.lift_off, step.touch_down + 1)  # indices copy: the rest of the motion is not kept
+        poses = WaistAndFeet(lifted, self.feet).at(over)
+        explain = partial(_what_remains, robot, poses, crossing.limits, sequence.time[over])
+        return TrailingLegBlocked(self.inside, explain) if self.inside > 0.0 else explain()
+
+
+def _what_remains(robot: Robot, poses: WaistAndFeet, limits: LegLimits, time: np.ndarray) -> Infeasible:
+    """Why the legs are not clear in phase 3, at its times (N,) [s]: the link, the depth and when."""
+    check = check_legs(robot, poses, limits, up_to=0.0)
+    worst = int(np.argmin(check.separation))
+    if check.separation[worst] >= 0.0:
+        worst = int(np.argmin(np.where(check.reach > 0.0, -1e3 * check.reach, check.limit)))
+        over, past, short = 1e3 * check.reach[worst], -np.degrees(check.limit[worst]), np.inf
+        folded = f"a leg's joint is {past:.1f} degrees past its limit"
+        what = f"a sole is {over:.1f} mm out of reach" if over > 0.0 else folded
+    else:
+        link, short = robot.shapes[check.shape[worst]].link, float(-check.separation[worst])
+        what = f"{link} stays {1e3 * short:.1f} mm inside the obstacle's safety margin"
+    return Infeasible(f"FTA cannot free the trailing leg: {what} at t = {time[worst]:.3f} s (phase 3)", short=short)
 
 
 METHODS = (1, 2, 3)

@@ -57,7 +57,7 @@ def plan(
         The whole-body motion.
 
     Raises:
-        InvalidInput: no Robot, no Obstacle, several obstacles, or an unknown value of arms or speed_limits.
+        InvalidInput: no Robot, no Obstacle, several obstacles, or an unknown value of an option.
         Infeasible: names the constraint that cannot be met and the nearest obstacle that can be stepped over.
     """
     return plan_in_detail(robot, obstacle, arms=arms, speed_limits=speed_limits, extras=extras).motion
@@ -83,6 +83,8 @@ def plan_in_detail(
     for name, value, known in (("arms", arms, ARMS), ("speed_limits", speed_limits, SPEED_LIMITS)):
         if value not in known:
             raise InvalidInput(f"{name} = {value!r} must be one of {', '.join(known)}")
+    if not isinstance(extras, bool):
+        raise InvalidInput(f"extras = {extras!r} must be True or False")
     start = time.perf_counter()
     mover = robot.slowed if speed_limits == "respect" else robot
 
@@ -97,6 +99,7 @@ def plan_in_detail(
         feasibility_time = time.perf_counter() - start
         found = first_plan(mover, keys, options_in_order(mover, arms, extras, speed_limits), attempt)
     except Infeasible as error:
+        error.forget_frames()
         if error.nearest is None and look_for_nearest:
             same: dict[str, Any] = {"arms": arms, "speed_limits": speed_limits, "extras": extras}
             error.nearest = nearest_crossable(obstacle, lambda other: _crossable(robot, other, same), progress)

@@ -42,8 +42,13 @@ def first_plan(robot: Robot, keys: list[KeyConfiguration], options: list[Options
         found, errors = _first_key(robot, keys, some, attempt)
         if found is not None:
             return found
+    raise _nearest_miss(errors)
+
+
+def _nearest_miss(errors: list[Infeasible]) -> Infeasible:
+    """The error that lacks least; an adapted leg that still collides lacks less than one that does not reach."""
     explained = [error.explain() if isinstance(error, TrailingLegBlocked) else error for error in errors]
-    raise min(explained, key=lambda error: (isinstance(error, OutOfReach), error.short))
+    return min(explained, key=lambda error: (isinstance(error, OutOfReach), error.short))
 
 
 def _first_key(
@@ -67,6 +72,7 @@ def _first_key(
         except Infeasible as error:
             if error.nearest is not None:
                 raise
+            error.forget_frames()
             errors.append(error)
             left.remove(key)
             if isinstance(error, (OutOfReach, TrailingLegBlocked)):

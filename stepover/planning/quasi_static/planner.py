@@ -103,6 +103,7 @@ def quasi_static_in_detail(
     try:
         path, taken, refused = _path_with_margins(robot, obstacle)
     except Infeasible as error:
+        error.forget_frames()
         if look_for_nearest:
             error.nearest = _nearest(robot, obstacle)
         raise

@@ -18,6 +18,7 @@ from scipy.ndimage import gaussian_filter1d
 from stepover.errors import InvalidInput
 from stepover.model.robot import Robot
 from stepover.motion.motion import Motion
+from stepover.output import part_of
 from stepover.robots.loading import load_robot
 from stepover.simulation.measurements import Run
 from stepover.simulation.pybullet.client import load_body, local_of, names_of, place_body, pybullet, silenced
@@ -82,7 +83,7 @@ def record(
         raise InvalidInput(f"{path} cannot be written: {path.parent} is no folder that can be written to")
     time, _ = _states(source)
     times = np.arange(time[0], time[-1] + 1e-9, 1.0 / rate)
-    beside = path.with_name(f".{path.stem}.{os.getpid()}.part.mp4")
+    beside = part_of(path)
     try:
         film = imageio_ffmpeg.write_frames(
             beside, size, fps=rate, codec="libx264", quality=8, macro_block_size=2, ffmpeg_log_level="error"
@@ -95,7 +96,7 @@ def record(
                     progress(k / len(times))
         os.replace(beside, path)
     except OSError as error:
-        raise InvalidInput(f"{path} cannot be written: {error.strerror or error}") from error
+        raise InvalidInput(f"{path} cannot be written: {error.strerror or str(error).partition(chr(10))[0]}") from error
     finally:
         with suppress(OSError):
             beside.unlink(missing_ok=True)
@@ -149,7 +150,7 @@ def draw_surroundings(client: int, motion: Motion, obstacle: np.ndarray) -> None
 def replay(client: int, source: Run | Motion, times: np.ndarray, robot: Robot | None) -> Iterator[None]:
     """Load the robot into a client and put it, one after the other, where it is at times (K,) [s]."""
     motion = source.motion if isinstance(source, Run) else source
-    robot = robot or load_robot(motion.robot)
+    robot = robot or load_robot(motion.robot_name)
     with silenced():
         body = load_body(robot.description, client)
     index, local = names_of(body, client)[1], local_of(body, client)
