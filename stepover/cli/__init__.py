@@ -1,6 +1,6 @@
-"""The command line, a module a command: plan, simulate, view, study, sweep, reproduce.
+"""The command line, one module for each command: plan, simulate, view, study, sweep, reproduce.
 
-Whatever a command needs is imported when it runs, so that help and complaints come at once.
+Each command imports what it needs when it runs. So help and error messages appear at once.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ def main() -> None:
     """Humanoid robots that walk dynamically over large obstacles, after Stasse et al., T-RO 2009.
 
     Lengths are in metres, times in seconds. Exit codes: 0 done, 2 bad input, 3 the obstacle cannot be crossed,
-    4 the simulated robot fell or touched the obstacle.
+    4 the simulated robot fell or touched the obstacle, 130 interrupted.
     """
 
 
