@@ -56,7 +56,7 @@ class Senses:
 
 
 def _upright(gravity: np.ndarray) -> Rotation:
-    """Rotation that makes gravity (3,) point down in the floor's frame: an IMU is level by gravity, not by the floor."""
+    """Rotation that makes gravity (3,) point down in the floor's frame, since an IMU is level by gravity."""
     up = -gravity / np.linalg.norm(gravity)
     return Rotation.from_quat([*np.cross(up, [0.0, 0.0, 1.0]), 1.0 + up[2]])
 
