@@ -1,7 +1,8 @@
-"""The format npz: the motion itself, whole, without pickle, readable with numpy alone.
+"""The format npz: the complete motion, without pickle. Numpy alone can read it.
 
-Format 2 adds `obstacles`, `robot_fingerprint` and `planner` to format 1, and leaves out `zmp_first_stage` and
-`key_configuration` where the planner has none. `obstacle` stays for readers of format 1. Files of format 1 load.
+Format 2 adds `obstacles`, `robot_fingerprint` and `planner` to format 1. It leaves out `zmp_first_stage` and
+`key_configuration` if the planner does not give them. It keeps `obstacle` for readers of format 1. Files of format 1
+still load.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from stepover.motion.motion import Motion
 from stepover.output import write_whole
 
 FORMAT = 2
-"""The format that is written; older ones are read."""
+"""The format of written files. Older formats are still read."""
 SHAPES: dict[str, tuple[str | int, ...]] = {
     "time": ("N",), "q": ("N", "Q"), "joint_names": ("J",), "left_foot": ("N", 7), "right_foot": ("N", 7),
     "waist": ("N", 7), "com": ("N", 3), "zmp_reference": ("N", 2), "zmp_first_stage": ("N", 2), "zmp": ("N", 2),
@@ -49,35 +50,35 @@ def load(path: Path) -> Motion:
 
     Raises:
         InvalidInput: no such file.
-        CorruptMotion: it is cut short, not a motion, lacks a key, or contradicts itself.
+        CorruptMotion: the file is cut short, is not a motion, lacks a key, or contradicts itself.
     """
     if not path.is_file():
         raise InvalidInput(f"{path}: no such file; 'python -m stepover plan' writes one")
     try:
         with np.load(path, allow_pickle=False) as archive:
             arrays = {key: _array(archive[key]) for key in archive.files if key in SHAPES}
-    except Exception as error:  # whatever numpy, zip and zlib make of arbitrary bytes
-        raise CorruptMotion(f"{path} is not a whole motion file ({type(error).__name__}); plan it anew") from error
+    except Exception as error:  # numpy, zip and zlib raise many errors for arbitrary bytes
+        raise CorruptMotion(f"{path} is not a complete motion file ({type(error).__name__}); plan it again") from error
     try:
         arrays = _as_format_2(arrays)
         _check(arrays)
     except CorruptMotion as error:
         raise CorruptMotion(f"{path}: {error}") from None
     values: dict[str, Any] = {key: str(value) if value.ndim == 0 else value for key, value in arrays.items()}
-    for key in ("obstacle", "format"):  # said by obstacles; a matter of the file
+    for key in ("obstacle", "format"):  # obstacles contains the first; the second only concerns the file
         del values[key]
     return Motion(**(values | {"footsteps": Footsteps.from_rows(arrays["footsteps"])}))
 
 
 def _array(member: Any) -> np.ndarray:
-    """A member of the archive, which is bytes where it is no array."""
+    """A member of the archive. Raises TypeError if it is not an array; numpy then reads bytes."""
     if not isinstance(member, np.ndarray):
         raise TypeError("no array")
     return member
 
 
 def _as_format_2(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """The arrays of a file of format 1 or 2 as those of format 2."""
+    """The arrays of a file of format 1 or 2, converted to format 2."""
     if "format" not in arrays:
         raise CorruptMotion("lacks format")
     number = arrays["format"]
@@ -95,7 +96,7 @@ def _as_format_2(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
 
 
 def _check(arrays: dict[str, np.ndarray]) -> None:
-    """Refuse what has a wrong shape or type, a value that is not finite, or contradicts itself."""
+    """Reject arrays with a wrong shape or type, or with values that are not finite or contradict each other."""
     sizes: dict[str, int] = {}
     for key, array in arrays.items():
         _require_shape(key, array, sizes)
@@ -113,7 +114,7 @@ def _check(arrays: dict[str, np.ndarray]) -> None:
 
 
 def _require_shape(key: str, array: np.ndarray, sizes: dict[str, int]) -> None:
-    """Refuse an array of the wrong shape or type, or with values that are not finite; sizes gathers N, Q, J, K, M."""
+    """Reject an array of the wrong shape or type, or with values that are not finite. Stores N, Q, J, K, M in sizes."""
     shape, actual = SHAPES[key], array.shape
     bound = [sizes.setdefault(n, size) if isinstance(n, str) else n for n, size in zip(shape, actual, strict=False)]
     if len(actual) != len(shape) or tuple(bound) != actual:
@@ -125,7 +126,7 @@ def _require_shape(key: str, array: np.ndarray, sizes: dict[str, int]) -> None:
 
 
 def _check_meaning(arrays: dict[str, np.ndarray]) -> None:
-    """Refuse phases, supports, footsteps and obstacles that do not exist."""
+    """Reject impossible phases, supports, footsteps and obstacles."""
     phases = np.unique(arrays["phase"]).tolist()
     if phases not in ([0], [0, 1, 2, 3]) or arrays["phase"][-1] != 0:
         raise CorruptMotion(f"phase holds {phases}: it must hold 0 alone or 0, 1, 2 and 3, and end with 0")
