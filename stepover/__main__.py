@@ -4,7 +4,7 @@ import sys
 
 
 def run() -> None:
-    """Run it; under a Python that lacks our requirements say in one line which one has them."""
+    """Run it. If a required module is missing, say in one line how to install it."""
     try:
         from stepover.cli import main
 

@@ -113,7 +113,7 @@ def test_a_scheduler_that_is_lost(monkeypatch):
     ) as short_lived:
         begun = computed(range(1000), process, short_lived.scheduler_address)
         next(begun)
-    with pytest.raises(StepOverError, match="is lost; what is finished is kept"):
+    with pytest.raises(StepOverError, match="is lost; finished rows are kept"):
         list(begun)
 
 

@@ -366,7 +366,7 @@ class TestKilled:
         code, output, errors = killed(run, after=lambda: lines_in(table.parent) >= 3, by=signal.SIGINT)
         assert (code, output) == (130, "")
         assert len(errors.splitlines()) == 1
-        assert "the same command goes on" in errors
+        assert "run the same command to continue" in errors
 
     @pytest.mark.parametrize("by", [signal.SIGKILL, signal.SIGINT])
     def test_processes_end_with_their_parent(self, tmp_path, by):

@@ -1,6 +1,6 @@
-"""The command line, a module a command: plan, simulate, view, study, sweep, reproduce.
+"""The command line, one module for each command: plan, simulate, view, study, sweep, reproduce.
 
-Whatever a command needs is imported when it runs, so that help and complaints come at once.
+Each command imports what it needs when it runs. So help and error messages appear at once.
 """
 
 from __future__ import annotations

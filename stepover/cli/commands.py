@@ -27,7 +27,7 @@ class Commands(click.Group):
     """A group of commands whose errors are one line on stderr, with our exit codes."""
 
     def add_command(self, cmd: click.Command, name: str | None = None) -> None:
-        """Add a command; where it lacks an optional library, its error names the extra that has it."""
+        """Add a command. If an optional library is missing, the error names the extra that installs it."""
         if cmd.callback is not None:
             cmd.callback = needs(str(cmd.name))(cmd.callback)
         super().add_command(cmd, name)
@@ -57,7 +57,7 @@ class Commands(click.Group):
 
 
 class Command(click.Command):
-    """A command that takes each option once: of two values, neither wins in silence."""
+    """A command that accepts each option once, so that no value silently replaces another."""
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run it; what the operating system refuses, such as a full disk, is bad input."""
@@ -67,7 +67,7 @@ class Command(click.Command):
             raise InvalidInput(_unwritten(error)) from error
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        """Refuse an option that is given again, unless it may be repeated."""
+        """Reject an option that is given twice, unless it may be repeated."""
         _, _, order = self.make_parser(ctx).parse_args(list(args))
         for option, times in Counter(order).items():
             if isinstance(option, click.Option) and times > 1 and not (option.multiple or option.is_eager):
@@ -76,7 +76,7 @@ class Command(click.Command):
 
 
 def exit_code(error: StepOverError) -> int:
-    """Exit code of an error: its own where it carries one, 3 for what cannot be crossed, else 2."""
+    """Exit code of an error: its own if it has one, 3 if the obstacle cannot be crossed, else 2."""
     return getattr(error, "exit_code", INFEASIBLE if isinstance(error, Infeasible) else BAD_INPUT)
 
 
@@ -130,16 +130,16 @@ def _drop(stream: TextIO) -> None:
 
 @contextlib.contextmanager
 def goes_on(output: Path) -> Iterator[None]:
-    """Where long work is interrupted: say that the same command goes on."""
+    """If long work is interrupted, tell the user how to continue it."""
     try:
         yield
     except KeyboardInterrupt:
-        complain(f"interrupted; what is finished is kept beside {output}: the same command goes on", INTERRUPTED)
+        complain(f"interrupted; finished work is kept beside {output}: run the same command to continue", INTERRUPTED)
 
 
 @contextlib.contextmanager
 def progress(what: str) -> Iterator[Callable[[float], None]]:
-    """A progress bar on stderr, where that is a terminal, to be called with the share done; no bar before that."""
+    """A progress bar on stderr, if that is a terminal. Call it with the share done; the first call shows the bar."""
     from tqdm import tqdm
 
     form = "{desc}: {percentage:3.0f}%|{bar}| {elapsed}<{remaining}"
@@ -159,6 +159,6 @@ def progress(what: str) -> Iterator[Callable[[float], None]]:
 
 
 def one_thread_a_process() -> None:
-    """Before numpy is loaded: one thread a process, so that sums come out the same with any number of jobs."""
+    """Use one thread in each process, so that results do not depend on the number of jobs. Call before numpy loads."""
     for threads in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
         os.environ.setdefault(threads, "1")

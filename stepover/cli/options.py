@@ -1,4 +1,4 @@
-"""Options that several commands share, each said once, and the checks of what they are given."""
+"""Options that several commands share, and the checks of their values."""
 
 from __future__ import annotations
 
@@ -28,23 +28,27 @@ def together(*options: Option) -> Option:
 
 
 def choice(name: str, values: tuple[str, ...], help: str, default: str | None = None) -> Option:
-    """An option with few values, of which the first is the default unless another one is given."""
+    """An option with a few allowed values. The first is the default unless another is given."""
     return click.option(name, type=click.Choice(values), default=default or values[0], show_default=True, help=help)
 
 
 def robot_file(command: Any) -> Any:
-    """Where a motion's robot is to be found."""
-    explained = "Path to the robot.toml of a robot that is none under data/."
+    """Where to find the robot of a motion."""
+    explained = "Path to the robot.toml, for a robot outside data/."
     return click.option("--robot", metavar="TOML", help=explained)(command)
 
 
 margins = together(
-    click.option("--margin-height", type=float, default=0.03, show_default=True, help="Safety margin above it [m]."),
-    click.option("--margin-width", type=float, default=0.03, show_default=True, help="Before and behind it [m]."),
+    click.option(
+        "--margin-height", type=float, default=0.03, show_default=True, help="Safety margin above the obstacle [m]."
+    ),
+    click.option(
+        "--margin-width", type=float, default=0.03, show_default=True, help="Safety margin before and behind it [m]."
+    ),
 )
 planner_choices = together(
-    choice("--arms", ("auto", "on", "off"), "Swing the arms back: where the plan needs it, always, never."),
-    choice("--speed-limits", ("ignore", "respect"), "The joints' speed limits; the paper ignores them."),
+    choice("--arms", ("auto", "on", "off"), "Swing the arms back: if the plan needs it, always, or never."),
+    choice("--speed-limits", ("ignore", "respect"), "Ignore the joints' speed limits, as in the paper, or keep them."),
 )
 
 
@@ -53,20 +57,20 @@ def physics(actuators: str = "ideal", sole: str = "rigid") -> Option:
     return together(
         choice(
             "--actuators", ("ideal", "limited"), default=actuators,
-            help="Motors that follow without limits, as in the paper, or servos with limited torque, less at speed.",
+            help="Ideal motors without limits, as in the paper, or servos whose torque drops near the speed limit.",
         ),
         choice("--sole", ("rigid", "compliant"), "Rigid soles, or rubber between ankle and sole.", default=sole),
     )  # fmt: skip
 
 
 def new_file(name: str, help: str, suffix: str = "", **settings: Any) -> Option:
-    """An option that names a file to be written; refused before the work begins if it could not be written after it.
+    """An option that names an output file. A path that cannot be written is rejected before the work begins.
 
     Args:
-        name: of the option.
-        help: what goes there; the suffix, where there is one, is added.
-        suffix: that its name must have, such as ".png".
-        **settings: of click.option.
+        name: name of the option.
+        help: what the file contains; the suffix is added to the text if there is one.
+        suffix: required ending of the file's name, such as ".png".
+        **settings: passed to click.option.
     """
 
     def check(context: click.Context, parameter: click.Parameter, value: str | None) -> Path | None:
@@ -77,7 +81,7 @@ def new_file(name: str, help: str, suffix: str = "", **settings: Any) -> Option:
 
 
 def _writable(option: str, path: Path, suffix: str) -> Path:
-    """The path of a file that can be written, as far as one can see."""
+    """The path, if a file can be written there."""
     if path.is_dir():
         raise InvalidInput(f"{option} {path} is a folder; name a file in it")
     if suffix and path.suffix != suffix:
@@ -90,7 +94,7 @@ def _writable(option: str, path: Path, suffix: str) -> Path:
 
 
 def pairs(context: click.Context, parameter: click.Parameter, values: tuple[str, ...]) -> dict[str, str]:
-    """Split name=value pairs, and refuse what is none or comes twice."""
+    """Split name=value pairs. Reject other texts and repeated names."""
     found: dict[str, str] = {}
     for value in values:
         name, equals, text = value.partition("=")

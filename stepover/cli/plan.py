@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from stepover.motion.motion import Motion
 
 OWN = {"paper": ("arms", "speed_limits", "extras"), "quasi-static": ("epsilon",)}
-"""Options that one planner alone has."""
+"""Options that only one planner has."""
 
 
 @click.command(cls=Command)
@@ -27,19 +27,19 @@ OWN = {"paper": ("arms", "speed_limits", "extras"), "quasi-static": ("epsilon",)
 @click.option("--height", type=float, required=True, help="Height of the bare obstacle [m].")
 @click.option("--width", type=float, required=True, help="Width of the bare obstacle, along the path [m].")
 @margins
-@click.option("--distance", type=float, help="From between the ankles to its front face [m]; default: nominal steps.")
-@choice("--planner", tuple(PLANNERS), "Algorithm 1 of the paper, or its quasi-static baseline.")
+@click.option("--distance", type=float, help="From the ankles to its front face [m]; default: set by nominal steps.")
+@choice("--planner", tuple(PLANNERS), "Algorithm 1 of the paper, or the quasi-static baseline.")
 @planner_choices
 @click.option(
     "--extras/--no-extras", default=True, show_default=True,
-    help="Whether the paper's planner may use what is added beyond the paper.",
+    help="Whether the paper's planner may use the methods added beyond the paper.",
 )  # fmt: skip
 @click.option(
     "--epsilon", type=float, default=0.001, show_default=True,
-    help="Of the quasi-static planner: largest distance between ZMP and the CoM's projection [m].",
+    help="Quasi-static planner: largest distance between the ZMP and the CoM's projection [m].",
 )  # fmt: skip
-@new_file("--output", "Where the motion goes", ".npz", required=True)
-@new_file("--csv", "Also as a table, one sample a row", ".csv")
+@new_file("--output", "File for the motion", ".npz", required=True)
+@new_file("--csv", "Also write a table with one row for each sample", ".csv")
 @as_json
 @click.pass_context
 def plan(
@@ -56,7 +56,7 @@ def plan(
     as_json: bool,
     **options: Any,
 ) -> None:
-    """Plan how to step over an obstacle, and write the motion to a file.
+    """Plan a motion over an obstacle and write it to a file.
 
     Example: python -m stepover plan --height 0.15 --width 0.05 --output motion.npz
     """
@@ -78,13 +78,13 @@ def plan(
 
 
 def _planned(name: str, robot: Robot, obstacle: Obstacle, own: dict[str, Any]) -> tuple[Motion, dict[str, Any]]:
-    """The motion by the planner of a name, and what is printed of it: more where the planner says more."""
+    """The motion from the named planner, and the values to print. Some planners add values of their own."""
     from stepover.report import summary
 
     if name == "paper":
         from stepover.planning.algorithm_1.planner import plan_in_detail
 
-        with progress("not this one; looking for the nearest that can be stepped over") as advance:
+        with progress("cannot be crossed; searching for the nearest obstacle that can") as advance:
             planned = plan_in_detail(robot, obstacle, **own, progress=advance)
         return planned.motion, summary.plan_to_json(robot, obstacle, planned)
     if name == "quasi-static":

@@ -11,17 +11,17 @@ from stepover.cli.options import pairs
 
 
 @click.command(cls=Command)
-@click.option("--only", metavar="NOTEBOOK", help="Run this notebook alone, such as stepover_15cm.")
+@click.option("--only", metavar="NOTEBOOK", help="Run only this notebook, such as stepover_15cm.")
 @click.option(
     "-p", "--parameter", "parameters", multiple=True, metavar="NAME=VALUE", callback=pairs,
-    help="Change a parameter of the notebooks that know it; may be repeated. Results go to build/ then.",
+    help="Change a parameter in every notebook that has it; may be repeated. Results then go to build/.",
 )  # fmt: skip
 def reproduce(only: str | None, parameters: dict[str, str]) -> None:
-    """Run every notebook. Write figures and claims to figures/, and the pages of both to docs/ and README.
+    """Run every notebook. Write figures and claims to figures/, and update their pages in docs/ and the README.
 
     All notebooks take about five minutes. Executed copies go to build/notebooks/. With -p, figures and records go to
-    build/figures/ and the copies to build/experiment/: an experiment never overwrites the reference. If a notebook
-    refuses the parameters, the others still run, and the error at the end names it.
+    build/figures/ and the copies to build/experiment/. So an experiment never overwrites the reference. If a notebook
+    rejects the parameters, the others still run, and the error at the end names it.
 
     Example: python -m stepover reproduce --only stepover_15cm -p height=0.1
     """

@@ -1,4 +1,4 @@
-"""The command simulate: a motion in the physics, with disturbances if asked for, and filmed."""
+"""The command simulate: run a motion in the physics simulation, optionally with disturbances and a video."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ if TYPE_CHECKING:
 
 
 class _Disturbed(Command):
-    """A command whose help ends with all disturbances."""
+    """A command whose help ends with the list of disturbances."""
 
     def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """Write them as a list, with units and ranges."""
+        """Write the list, with units and ranges."""
         from stepover.simulation.disturbances import explained
 
         with formatter.section("Disturbances, for --perturb"):
@@ -36,9 +36,11 @@ class _Disturbed(Command):
 @physics()
 @choice("--engine", ("pybullet", "mujoco"), "The physics engine.")
 @robot_file
-@click.option("--stabilizer/--no-stabilizer", default=False, show_default=True, help="Feedback from the sensors.")
-@click.option("--perturb", multiple=True, metavar="NAME=VALUE", callback=pairs, help="A disturbance, as listed below.")
-@new_file("--video", "Film it from the side", ".mp4")
+@click.option("--stabilizer/--no-stabilizer", default=False, show_default=True, help="Balance with sensor feedback.")
+@click.option(
+    "--perturb", multiple=True, metavar="NAME=VALUE", callback=pairs, help="A disturbance from the list below."
+)
+@new_file("--video", "Write a video from the side", ".mp4")
 @as_json
 def simulate(
     motion: str,
@@ -53,8 +55,8 @@ def simulate(
 ) -> None:
     """Carry out a planned motion in the physics simulation.
 
-    Ends with exit code 4 where the robot falls or touches the obstacle; a plot of the second before it then goes
-    beside the video, or beside the motion.
+    If the robot falls or touches the obstacle, the exit code is 4. A plot of the last second before the failure is
+    then written beside the video, or beside the motion if there is no video.
 
     Example: python -m stepover simulate motion.npz --video motion.mp4
     """
@@ -64,7 +66,7 @@ def simulate(
     from stepover.simulation.run import simulate as run_simulation
 
     if video is not None:
-        from stepover.simulation.pybullet.video import record  # before the run: what it lacks is said at once
+        from stepover.simulation.pybullet.video import record  # before the run: a missing library is reported at once
 
     disturbances = {name: _number(name, text) for name, text in perturb.items()} or None
     planned = Motion.load(motion)
@@ -73,17 +75,17 @@ def simulate(
         planned, actuators=actuators, sole=sole, stabilizer=stabilizer, perturb=disturbances, robot=model, engine=engine
     )
     if video is not None:
-        with progress("filming") as advance:
+        with progress("writing the video") as advance:
             record(run, video, robot=model, progress=advance)
     say(summary.as_line(run.to_json()) if as_json else summary.run_summary(run))
     if video is not None and not as_json:
-        say(f"\nfilmed in {video}")
+        say(f"\nvideo written to {video}")
     if not run.crossed:
         complain(f"{run.explanation}; {plot_failure(run, video or Path(motion), model)}", NOT_CROSSED)
 
 
 def _number(name: str, text: str) -> float:
-    """A finite number out of name=value."""
+    """The finite number in name=value."""
     with contextlib.suppress(ValueError):
         if math.isfinite(float(text)):
             return float(text)
@@ -91,9 +93,9 @@ def _number(name: str, text: str) -> float:
 
 
 def plot_failure(run: Run, beside: Path, robot: Robot) -> str:
-    """Plot the second before the failure beside a file, or in build/; say where, or why there is none."""
+    """Plot the last second before the failure, beside a file or in build/. Say where the plot is, or why there is none."""
     try:
-        with needs("a plot of the second before it"):
+        with needs("a plot of the last second before the failure"):
             from stepover.report import figures
     except InvalidInput as error:
         return str(error)
@@ -103,5 +105,5 @@ def plot_failure(run: Run, beside: Path, robot: Robot) -> str:
         folder.mkdir(exist_ok=True)
         figures.save(figures.failure(robot, run), path)
     except (InvalidInput, OSError) as error:
-        return f"the second before it is not drawn: {error}"
-    return f"the second before it is drawn in {path}"
+        return f"there is no plot of the last second before it: {error}"
+    return f"a plot of the last second before it is in {path}"

@@ -1,4 +1,4 @@
-"""The command study: one motion, many draws of everything that may be disturbed."""
+"""The command study: one motion under many random disturbances."""
 
 from __future__ import annotations
 
@@ -13,21 +13,21 @@ from stepover.errors import InvalidInput
 
 @click.command(cls=Command)
 @click.argument("motion", metavar="[MOTION.npz]", required=False)
-@click.option("--height", type=float, help="Instead of a motion: height of the bare obstacle to plan for [m].")
-@click.option("--width", type=float, help="Its width, along the way [m].")
+@click.option("--height", type=float, help="Without a motion: height of the bare obstacle to plan for [m].")
+@click.option("--width", type=float, help="Its width, along the path [m].")
 @click.option(
     "--runs", type=click.IntRange(1), default=200, show_default=True,
-    help="Draws; each is simulated twice, without and with the stabilizer.",
+    help="Number of draws. Each is simulated twice, without and with the stabilizer.",
 )  # fmt: skip
 @click.option(
     "--seed", type=click.IntRange(0), default=0, show_default=True,
-    help="Of the draws. Draw k depends on the seed and on k alone.",
+    help="Random seed. Draw k depends only on the seed and on k.",
 )  # fmt: skip
 @physics(actuators="limited", sole="compliant")
 @robot_file
-@click.option("--jobs", type=click.IntRange(1), help="Simulations at a time; default: one a core.")
-@new_file("--output", "Where the table goes", ".csv", required=True)
-@new_file("--picture", "Also draw success over disturbance", ".png")
+@click.option("--jobs", type=click.IntRange(1), help="Simulations at a time; default: one for each core.")
+@new_file("--output", "File for the table", ".csv", required=True)
+@new_file("--picture", "Also plot the success rate over each disturbance", ".png")
 @as_json
 def study(
     motion: str | None,
@@ -43,15 +43,15 @@ def study(
     picture: Path | None,
     as_json: bool,
 ) -> None:
-    """Carry out a motion under many disturbances drawn at random, with and without the stabilizer.
+    """Simulate a motion under many random disturbances.
 
-    Each draw is uniform: friction 0.4 to 1; the floor up to 5 mm higher or lower under each foothold, and sloped by up
-    to 1 degree ahead and to the side; 5 % more or less mass on the chest, whose CoM is up to 10 mm off; the obstacle up
+    Each value is drawn uniformly: friction 0.4 to 1; floor up to 5 mm higher or lower under each foothold, with a slope
+    of up to 1 degree ahead and to the side; mass at the chest 5 % more or less, chest CoM up to 10 mm off; obstacle up
     to 20 mm nearer or farther; one push of up to 80 N for 0.1 s at any time in any direction; readings 5 to 10 ms old.
 
-    Until the table is written, finished simulations are kept beside it in a .part file. After an interruption the same
-    command goes on from there, also with more --runs. The table does not depend on interruptions or --jobs.
-    Its columns are named as the disturbances of simulate --perturb, to look at one draw alone.
+    Until the table is complete, finished simulations are kept beside it in a .part file. After an interruption, run the
+    same command again to continue, with more --runs if you like. The table does not depend on interruptions or --jobs.
+    Its columns have the same names as the disturbances of simulate --perturb, so that you can repeat a single draw.
 
     Example: python -m stepover study motion.npz --runs 50 --output table.csv --picture table.png
     """
@@ -61,7 +61,7 @@ def study(
     from stepover.studies import robustness, success_rates
 
     if picture is not None:
-        from stepover.report import figures  # before the work: what it lacks is said at once
+        from stepover.report import figures  # before the work: a missing library is reported at once
 
     if motion is not None and (height is not None or width is not None):
         raise InvalidInput("give either a motion or --height and --width, not both")

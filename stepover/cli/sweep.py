@@ -13,23 +13,33 @@ from stepover.errors import InvalidInput
 
 
 def _anywhere(context: click.Context, parameter: click.Parameter, value: str) -> str:
-    """A robot's name, or the path of its robot.toml as it holds in any folder."""
+    """A robot's name, or the absolute path of its robot.toml."""
     return str(Path(value).resolve()) if Path(value).suffix == ".toml" else value
 
 
 @click.command(cls=Command)
 @click.argument("obstacles", metavar="[OBSTACLES.csv]", required=False)
 @click.option(
-    "--heights", metavar="FIRST:LAST:STEP", help="Instead of a list: heights of a grid [m]; or a few, as 0.1,0.15."
+    "--heights",
+    metavar="FIRST:LAST:STEP",
+    help="Without a list: heights of a grid [m], or single values such as 0.1,0.15.",
 )
-@click.option("--widths", metavar="FIRST:LAST:STEP", help="Its widths, along the way [m]; or one, as 0.05.")
-@click.option("--robot", default="hrp2", show_default=True, callback=_anywhere, help="As for plan.")
+@click.option(
+    "--widths", metavar="FIRST:LAST:STEP", help="Widths of the grid, along the path [m], or single values such as 0.05."
+)
+@click.option(
+    "--robot",
+    default="hrp2",
+    show_default=True,
+    callback=_anywhere,
+    help="A name under data/, or a path to a robot.toml.",
+)
 @margins
 @planner_choices
-@click.option("--simulate", "physics", is_flag=True, help="Also carry out what is planned, with ideal motors.")
-@click.option("--jobs", type=click.IntRange(1), help="Obstacles at a time; default: one a core.")
-@click.option("--dask", metavar="ADDRESS", help="Let a Dask cluster do it; its scheduler's address.")
-@new_file("--output", "Where the table goes", ".csv", required=True)
+@click.option("--simulate", "physics", is_flag=True, help="Also simulate each planned motion, with ideal motors.")
+@click.option("--jobs", type=click.IntRange(1), help="Obstacles at a time; default: one for each core.")
+@click.option("--dask", metavar="ADDRESS", help="Use a Dask cluster; the address of its scheduler.")
+@new_file("--output", "File for the table", ".csv", required=True)
 @as_json
 def sweep(
     obstacles: str | None,
@@ -41,16 +51,18 @@ def sweep(
     as_json: bool,
     **how: Any,
 ) -> None:
-    """Plan many obstacles, and carry them out if asked to: one row of a table each.
+    """Plan for many obstacles and write a table, one row for each.
 
-    They are a grid, both ends included, or a list, whose first line names the columns height and width [m]. A row says
-    whether there is a plan and if not why, its key configuration, clearance, ZMP margin, joint speed, the hash of its
-    motion, and whether the simulated robot crossed. Obstacles that cannot be crossed are rows as well, not errors.
+    Give a grid, which includes both ends, or a list whose first line names the columns height and width [m]. A row
+    states whether there is a plan, and if not, why; the key configuration, clearance, ZMP margin, joint speed and hash
+    of the motion; and whether the simulated robot crossed. An obstacle that cannot be crossed is a row too, not an
+    error.
 
-    Until the table is written, finished obstacles are kept beside it in a .part file. After an interruption the same
-    command goes on from there, also with a larger grid. The table depends neither on that nor on who did the work.
+    Until the table is complete, finished obstacles are kept beside it in a .part file. After an interruption, run the
+    same command again to continue, with a larger grid if you like. The table does not depend on interruptions, --jobs
+    or --dask.
 
-    With --dask the workers of that cluster need this very stepover. Such a cluster on one machine: 'dask scheduler',
+    With --dask, every worker needs the same version of stepover. To start a cluster on one machine: 'dask scheduler',
     then 'dask worker tcp://127.0.0.1:8786 --nworkers -1 --nthreads 1'.
 
     Example: python -m stepover sweep --heights 0.05:0.25:0.05 --widths 0.03:0.15:0.03 --output sweep.csv

@@ -1,4 +1,4 @@
-"""The command view: a motion as a page in 3-D."""
+"""The command view: write a page that shows a motion in 3-D."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from stepover.cli.options import motion_file, new_file, robot_file
 
 @click.command(cls=Command)
 @motion_file
-@new_file("--output", "Where the page goes", ".html", required=True)
-@click.option("--time", type=float, help="Moment shown before it is played [s]; default: the first.")
+@new_file("--output", "File for the page", ".html", required=True)
+@click.option("--time", type=float, help="Time shown when the page opens [s]; default: the start.")
 @robot_file
 def view(motion: str, output: Path, time: float | None, robot: str | None) -> None:
-    """Write a page that shows a planned motion in 3-D, to be opened in any browser, offline.
+    """Write a page that shows a planned motion in 3-D. Open it in any browser, offline.
 
-    It holds the robot, the obstacle with its margins, the footsteps and the ways of ZMP and CoM, to be turned with the
-    mouse, played, paused and scrubbed.
+    The page shows the robot, the obstacle with its margins, the footsteps, and the paths of ZMP and CoM. Turn the view
+    with the mouse; play, pause and scrub the motion.
 
     Example: python -m stepover view motion.npz --output motion.html
     """

@@ -1,1 +1,1 @@
-"""The motion: what every planner returns and everything else reads."""
+"""The motion: the result of every planner and the input of all other rooms."""

@@ -1,4 +1,4 @@
-"""Footsteps: where a motion's feet come down and when."""
+"""Footsteps: the places and times at which a motion's feet come down."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 
 
 class Kind(IntEnum):
-    """What a step is for."""
+    """Purpose of a step."""
 
     NORMAL = 0
     BEFORE = 1
@@ -19,12 +19,12 @@ class Kind(IntEnum):
 
 
 NORMAL, BEFORE, LEG_1, LEG_2, AFTER = Kind
-"""A step of the walk; the one before the obstacle; the leading leg over it; the trailing one; the one after it."""
+"""Kinds: a normal step, the step before the obstacle, the leading leg over it, the trailing leg, the step after it."""
 
 
 @dataclass(frozen=True, eq=False)
 class Footsteps:
-    """K footsteps in the order in which the feet come down.
+    """K footsteps in the order of their touch-down.
 
     Attributes:
         time: (K,) touch-down [s].

@@ -1,4 +1,4 @@
-"""The one value that leaves a planner: a motion, with everything a reader needs to judge it without the planner."""
+"""The result of a planner: a motion, with all that is needed to check it without the planner."""
 
 from __future__ import annotations
 
@@ -24,21 +24,21 @@ class Motion:
         time: (N,) [s], uniform.
         q: (N, nq) configurations in pinocchio's order, free-flyer first (x y z, quaternion x y z w).
         joint_names: (nq - 7,) names of the joints behind q[7:].
-        left_foot, right_foot: (N, 7) poses of the sole frames, under the ankle, on the sole.
+        left_foot, right_foot: (N, 7) poses of the sole frames. Their origins are on the soles, under the ankles.
         waist: (N, 7) pose of the root body.
         com: (N, 3) centre of mass of the multi-body model [m].
         zmp_reference: (N, 2) desired ZMP [m].
         zmp: (N, 2) multi-body ZMP [m].
         support: (N,) 0 double, +1 left foot only, -1 right foot only.
-        phase: (N,) 0 walking, 1, 2, 3 the phases of Sec. II; all 0 where the planner has none.
-        footsteps: where the feet come down and when.
+        phase: (N,) 0 walking, 1, 2, 3 the phases of Sec. II; all 0 if the planner does not set phases.
+        footsteps: places and times at which the feet come down.
         obstacles: (M, 7) front face x, width, height, margin_width, margin_height, lateral half extent [m], yaw [rad].
-        robot: its name; `robot_name` refuses a path.
-        robot_fingerprint: Robot.fingerprint of the robot that it was planned for; "" where that is not known.
-        planner: name of the planner; "" where that is not known.
-        zmp_first_stage: (N, 2) multi-body ZMP before the dynamic filter [m]; None where the planner has none.
-        key_configuration: (3,) X_ads, X_hds, Z_hds [m]; None where the planner has none.
-        version: of stepover, when it was planned.
+        robot: name of the robot; `robot_name` rejects a path.
+        robot_fingerprint: Robot.fingerprint of the robot in the plan; "" if unknown.
+        planner: name of the planner; "" if unknown.
+        zmp_first_stage: (N, 2) multi-body ZMP before the dynamic filter [m]; None if the planner has no filter.
+        key_configuration: (3,) X_ads, X_hds, Z_hds [m]; None if the planner does not use one.
+        version: version of stepover that planned the motion.
     """
 
     time: np.ndarray
@@ -77,13 +77,13 @@ class Motion:
         return self.profile(0, margins=False)
 
     def profile(self, number: int, margins: bool) -> np.ndarray:
-        """Rectangle (4,) x_min, x_max, z_min, z_max of an obstacle, from 0, in its own frame [m]."""
+        """Rectangle (4,) x_min, x_max, z_min, z_max of an obstacle in its own frame [m]. Numbers start at 0."""
         front, width, height, beside, above = self.obstacles[number, :5]
         return Obstacle(height, width, above, beside).profile(front, margins)
 
     @property
     def has_phases(self) -> bool:
-        """Whether the planner says which samples belong to the phases of Sec. II."""
+        """Whether the planner set the phases of Sec. II."""
         return bool(np.any(self.phase))
 
     def foot(self, side: int) -> np.ndarray:
@@ -102,7 +102,7 @@ class Motion:
         return slice(int(inside[0]), int(inside[-1]) + 1)
 
     def hash(self) -> str:
-        """SHA-256 of q rounded to a micrometre (microradian): tells whether two motions are the same."""
+        """SHA-256 of q rounded to a micrometre (microradian). Equal motions have equal hashes."""
         rounded = np.round(self.q * 1e6).astype(np.int64) + 0
         return hashlib.sha256(rounded.tobytes()).hexdigest()
 
@@ -118,22 +118,22 @@ class Motion:
         return self.robot
 
     def require_robot(self, robot: Robot) -> None:
-        """Refuse a robot that the motion was not planned for.
+        """Reject a robot that the motion was not planned for.
 
         Raises:
-            InvalidInput: its joints are others, or its fingerprint is another.
+            InvalidInput: the joints or the fingerprint differ.
         """
         if list(self.joint_names) != robot.body.joint_names:
             raise InvalidInput(f"the motion is for {self.robot!r}: its joints are not those of {robot.name!r}")
         if self.robot_fingerprint and self.robot_fingerprint != robot.fingerprint:
             raise InvalidInput(
                 f"the motion was planned for another robot than this {robot.name!r}: the fingerprint of URDF, meshes "
-                f"and facts is {self.robot_fingerprint} there and {robot.fingerprint} here; give the robot.toml that "
-                "it was planned with, or plan it again"
+                f"and facts is {self.robot_fingerprint} in the motion and {robot.fingerprint} here; give the "
+                "robot.toml of the motion, or plan it again"
             )
 
     def export(self, path: str | Path, format: str) -> None:
-        """Write the motion in one of the formats of `motion/formats`, such as "csv".
+        """Write the motion in one of the formats in `motion/formats`, such as "csv".
 
         Raises:
             InvalidInput: there is no such format, or the folder does not exist or cannot be written to.
@@ -141,7 +141,7 @@ class Motion:
         formats.find(format).export(self, Path(path))
 
     def save(self, path: str | Path) -> None:
-        """Write an npz file that numpy alone can read.
+        """Write an npz file. Numpy alone can read it.
 
         Raises:
             InvalidInput: the folder does not exist or cannot be written to.
@@ -149,7 +149,7 @@ class Motion:
         self.export(path, "npz")
 
     def save_csv(self, path: str | Path) -> None:
-        """Write time, waist, CoM, ZMPs, feet and joints as a table, one sample a row.
+        """Write time, waist, CoM, ZMPs, feet and joints as a table with one row for each sample.
 
         Raises:
             InvalidInput: the folder does not exist or cannot be written to.

@@ -1,1 +1,1 @@
-"""What a reader looks at: figures, claims, the reproduction run."""
+"""Figures, tables, summaries and the 3-D viewer."""

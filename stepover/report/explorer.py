@@ -1,6 +1,6 @@
-"""Sliders over a picture, for a notebook that is open; without a browser the picture stands where the sliders do.
+"""Sliders with a picture, for an open notebook. Without a browser, the picture shows the sliders' first values.
 
-The picture is an ordinary output, replaced in place: it stays in an executed notebook that nobody has open.
+The picture is an ordinary output of the notebook that is replaced in place. So it stays in an executed notebook.
 """
 
 from __future__ import annotations
@@ -22,28 +22,28 @@ from stepover.report.figures.crossing import crossing, refused
 from stepover.report.figures.feasibility import domains_overlaid
 
 Slider = tuple[float, float, float, float]
-"""Where it stands first, its ends, its step: all [m]."""
+"""First value, lowest value, highest value and step of a slider, all [m]."""
 RESOLUTION = 130
-"""Of the picture [dots per inch]: less than that of a file, so that it is there sooner."""
+"""Resolution of the picture [dots per inch]: lower than in files, so that it appears sooner."""
 KEPT = 64
-"""Pictures that are kept, so that a slider that goes back need not wait."""
+"""Number of pictures kept in memory, so that an earlier picture appears at once."""
 
 
 class Explorer:
-    """Sliders in centimetres, and a picture that is drawn anew when one of them is let go.
+    """Sliders in centimetres, and a picture that is drawn anew when a slider is released.
 
     Attributes:
-        sliders: by name.
-        status: what it is doing.
-        picture: PNG that is shown now.
+        sliders: the sliders by name.
+        status: line of text below the sliders.
+        picture: the current picture as PNG.
     """
 
     def __init__(self, draw: Callable[..., Figure], **sliders: Slider) -> None:
-        """Draw the picture where the sliders stand at first.
+        """Draw the picture for the first values of the sliders.
 
         Args:
-            draw: figure for lengths [m], named as the sliders.
-            sliders: by name.
+            draw: makes a figure from lengths [m], which have the names of the sliders.
+            sliders: the sliders by name.
         """
         self._draw = lru_cache(maxsize=KEPT)(lambda **lengths: _png(draw(**lengths)))
         self.sliders = {name: _slider(name, *places) for name, places in sliders.items()}
@@ -55,7 +55,7 @@ class Explorer:
             slider.observe(self._redraw, "value")
 
     def _redraw(self, _: object = None) -> None:
-        """Draw for where the sliders stand now, and replace the picture."""
+        """Draw for the current values of the sliders, and replace the picture."""
         self.status.value = "one moment ..."
         lengths = {name: slider.value / 1e2 for name, slider in self.sliders.items()}
         self.picture = self._draw(**lengths)
@@ -64,18 +64,18 @@ class Explorer:
         self.status.value = ", ".join(f"{name} {1e2 * length:.3g} cm" for name, length in lengths.items())
 
     def _ipython_display_(self) -> None:
-        """As the last value of a cell: the sliders, and the picture under them."""
+        """Show the sliders with the picture below them, in a notebook's cell."""
         display(widgets.VBox([*self.sliders.values(), self.status]))
         self._place.display(Image(self.picture))
         self._shown = True
 
 
 def obstacle_sliders(robot: Robot, obstacle: Obstacle) -> Explorer:
-    """Height, width and margin of the obstacle: each change is planned at once. Refusals say why, in one line.
+    """Sliders for the obstacle's height, width and margin. Each change is planned at once, or rejected with a reason.
 
     Args:
         robot: the robot.
-        obstacle: where the sliders stand first; one margin for both.
+        obstacle: first values of the sliders. One slider sets both margins.
     """
 
     def draw(height: float, width: float, margin: float) -> Figure:
@@ -94,14 +94,14 @@ def obstacle_sliders(robot: Robot, obstacle: Obstacle) -> Explorer:
 def height_slider(
     robot: Robot, width: float, height: float, reading: Reading | None = None, points: int = 200
 ) -> Explorer:
-    """The obstacle's height beside the feasibility domains of Sec. II-A.
+    """A slider for the obstacle's height, with the feasibility domains of Sec. II-A.
 
     Args:
         robot: the robot.
-        width: of the obstacle [m].
-        height: where the slider stands first [m].
-        reading: of the text.
-        points: of the grid, along either axis.
+        width: width of the obstacle [m].
+        height: first value of the slider [m].
+        reading: interpretation of the paper's text.
+        points: number of grid points along each axis.
     """
 
     def draw(height: float) -> Figure:
@@ -114,7 +114,7 @@ def height_slider(
 
 
 def _slider(name: str, first: float, low: float, high: float, step: float) -> widgets.FloatSlider:
-    """A slider [cm] for a length [m]; its ends make room for where it stands first."""
+    """A slider [cm] for a length [m]. Its range is widened to include its first value."""
     value, low, high, step = (round(1e2 * length, 9) for length in (first, min(low, first), max(high, first), step))
     return widgets.FloatSlider(
         value=value, min=low, max=high, step=step, description=f"{name} [cm]", readout_format=".1f",

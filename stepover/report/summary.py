@@ -1,4 +1,4 @@
-"""What a plan and a run come to, as JSON for programs and as aligned lines for people."""
+"""Results of a plan and of a simulation, as JSON for programs and as aligned lines for people."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ if TYPE_CHECKING:
 
 
 def plan_to_json(robot: Robot, obstacle: Obstacle, planned: Plan) -> dict[str, Any]:
-    """What `plan --json` prints of a plan of Algorithm 1, in SI units."""
+    """The values that `plan --json` prints for a plan of Algorithm 1, in SI units."""
     more = {"adaptations": planned.adaptations, "planning_time": planned.planning_time}
     return motion_to_json(robot, obstacle, planned.motion) | more
 
 
 def quasi_static_to_json(robot: Robot, obstacle: Obstacle, planned: QuasiStaticPlan) -> dict[str, Any]:
-    """What it prints of a quasi-static plan; `margins_refused` says why the margins asked for could not be kept."""
+    """The values that it prints for a quasi-static plan. `margins_refused`: why the requested margins are not kept."""
     return motion_to_json(robot, obstacle, planned.motion) | {
         "epsilon": planned.epsilon,
         "margins_refused": planned.refused,
@@ -35,9 +35,9 @@ def quasi_static_to_json(robot: Robot, obstacle: Obstacle, planned: QuasiStaticP
 
 
 def motion_to_json(robot: Robot, obstacle: Obstacle, motion: Motion) -> dict[str, Any]:
-    """What it prints of the motion of any planner.
+    """The values that it prints for the motion of any planner.
 
-    `obstacle.distance` and the margins of `obstacle` are those of the motion, which may differ from what was asked for.
+    `obstacle.distance` and the margins of `obstacle` are those of the motion. They may differ from the requested ones.
     """
     front, _, _, beside, above = motion.obstacle[:5].tolist()
     kept = {"distance": front, "margin_width": beside, "margin_height": above}
@@ -50,17 +50,17 @@ def motion_to_json(robot: Robot, obstacle: Obstacle, motion: Motion) -> dict[str
 
 
 def _key(key: np.ndarray) -> dict[str, float]:
-    """A key configuration (3,) by its names [m]."""
+    """A key configuration (3,) as named lengths [m]."""
     return dict(zip(("x_ads", "x_hds", "z_hds"), key.tolist(), strict=True))
 
 
 def plan_summary(result: dict[str, Any]) -> str:
-    """A plan for people: aligned, in the units that they think in."""
+    """A plan as aligned lines, in everyday units."""
     return aligned([*_crossing(result), *_measured(result), *_told_by_the_planner(result)])
 
 
 def _crossing(result: dict[str, Any]) -> list[tuple[str, str]]:
-    """Who steps over what, and how."""
+    """Robot, planner, obstacle, margins and key configuration."""
     obstacle, key = result["obstacle"], result.get("key_configuration")
     rows = [
         ("robot", result["robot"]),
@@ -76,7 +76,7 @@ def _crossing(result: dict[str, Any]) -> list[tuple[str, str]]:
 
 
 def _measured(result: dict[str, Any]) -> list[tuple[str, str]]:
-    """What the motion comes to."""
+    """Measures of the motion."""
     over = _or_dash(result["step_over_duration"], "{:.2f} s", 1.0)
     travel = _or_dash(result["com_travel_double_support"], "{:.1f} mm", 1e3)
     first = result.get("zmp_rms_first_stage")
@@ -97,7 +97,7 @@ def _measured(result: dict[str, Any]) -> list[tuple[str, str]]:
 
 
 def _told_by_the_planner(result: dict[str, Any]) -> list[tuple[str, str]]:
-    """What only some planners have to say."""
+    """Values that only some planners give."""
     rows = []
     if "adaptations" in result:
         did, times = result["adaptations"], result["planning_time"]
@@ -110,12 +110,12 @@ def _told_by_the_planner(result: dict[str, Any]) -> list[tuple[str, str]]:
     if "epsilon" in result:
         rows.append(("ZMP to CoM", f"{1e3 * result['epsilon']:.2g} mm at most, epsilon"))
         if result["margins_refused"]:
-            rows.append(("margins reduced", f"with those asked for: {result['margins_refused']}"))
+            rows.append(("margins reduced", f"with the requested ones: {result['margins_refused']}"))
     return rows
 
 
 def run_summary(run: Run) -> str:
-    """A run for people."""
+    """A simulation as aligned lines."""
     result = run.to_json()
     landing = result["landing_force_peak"]
     saturated = ", ".join(f"{joint} {count}" for joint, count in result["torque_saturated_samples"].items() if count)
@@ -141,13 +141,13 @@ def run_summary(run: Run) -> str:
 
 
 def _outcome(run: Run) -> str:
-    """What came of it, in a few words; run.explanation says more."""
+    """The outcome in a few words. run.explanation says more."""
     what = [said for said, so in (("touched the obstacle", run.obstacle_contacts), ("fell", run.fell)) if so]
     return " and ".join(what) or "crossed"
 
 
 def _landed(force: float | None) -> str:
-    """Peak of a landing force, of a leg that came down."""
+    """Peak landing force of a leg, or "no landing"."""
     return f"{force:.0f} N" if force else "no landing"
 
 
@@ -162,24 +162,24 @@ def _arms(ubmg: dict[str, Any]) -> str:
 def _feet(fta: dict[str, Any]) -> str:
     """What the feet trajectory adaptor did."""
     if not fta["acted"]:
-        return "as they were"
+        return "not adapted"
     back, up, pushed = (1e3 * fta[name] for name in ("foot_back", "waist_raised", "ankle_pushed"))
     return f"{fta['leg']}: {back:.1f} mm back, waist {up:.1f} mm up, ankle pushed by {pushed:.1f} mm"
 
 
 def aligned(rows: list[tuple[str, str]]) -> str:
-    """Names on the left, values on the right."""
+    """Lines with names on the left and values on the right."""
     space = max(len(name) for name, _ in rows) + 2
     return "\n".join(f"{name:<{space}}{value}" for name, value in rows)
 
 
 def as_line(value: Any) -> str:
-    """One line of JSON, with null for NaN."""
+    """One line of JSON. NaN becomes null."""
     return json.dumps(_plain(value), allow_nan=False)
 
 
 def _plain(value: Any) -> Any:
-    """Numpy's scalars and arrays as Python's own, and None for what is not finite."""
+    """Numpy's scalars and arrays as Python's own. Values that are not finite become None."""
     if isinstance(value, dict):
         return {str(key): _plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
@@ -195,5 +195,5 @@ def _mm(values: list[float]) -> str:
 
 
 def _or_dash(value: float | None, form: str, scale: float) -> str:
-    """A number in its form, or a dash where there is none."""
+    """A formatted number, or a dash for a missing one."""
     return "-" if value is None or not math.isfinite(value) else form.format(scale * value)

@@ -1,8 +1,8 @@
-"""A motion in 3-D: a page that plays it in any browser, offline. The only door to meshcat.
+"""A page that plays a motion in 3-D, in any browser, offline. No other module uses meshcat.
 
-meshcat turns shapes into commands for its viewer and sends them to a server of its own, which writes them into a page.
-Here they are collected and written without the server: no process, no port, no browser. What is shown is in
-viewer_scene, the page around it in viewer_page.
+meshcat turns shapes into commands for its viewer and sends them to its own server, which writes them into a page.
+Here the commands are collected and written without the server, so no process, port or browser is needed. viewer_scene
+holds the content of the scene, and viewer_page the page around it.
 """
 
 from __future__ import annotations
@@ -31,38 +31,38 @@ from stepover.report.figures.film import PHASES
 
 ROOT = meshcat.path.Path(("meshcat",))
 BALL = 0.022
-"""m, radius of the ball that runs along a trace; what hides it lets it shine through faintly."""
+"""Radius of the ball that runs along a trace [m]. It shines faintly through solids in front of it."""
 FAINT = 0.3
 
 
 @dataclass(frozen=True)
 class Page:
-    """A page, shown inline where it is the last value of a notebook's cell.
+    """A page. It appears inline if it is the last value of a notebook's cell.
 
     Attributes:
         html: the whole page.
-        height: of its frame in a notebook, in pixels.
+        height: height of its frame in a notebook, in pixels.
     """
 
     html: str = field(repr=False)
     height: int
 
     def _repr_html_(self) -> str:
-        """An inline frame that holds the whole page, so that an executed notebook needs nothing beside it."""
+        """An inline frame that holds the whole page, so that an executed notebook needs no other file."""
         style = f"width: 100%; height: {self.height}px; border: 0"
         return f'<iframe srcdoc="{html.escape(self.html)}" style="{style}"></iframe>'
 
 
 def show(robot: Robot, motion: Motion, time: float | None = None, height: int = 480) -> Page:
-    """The motion in 3-D inside a notebook: what page() gives, in a frame of a height in pixels."""
+    """The motion in 3-D inside a notebook: the result of page() in a frame with a height in pixels."""
     return Page(page(robot, motion, time), height)
 
 
 def save_page(robot: Robot, motion: Motion, path: str | Path, time: float | None = None) -> None:
-    """Write what page() gives to a file, whole or not at all.
+    """Write the result of page() to a file. The file appears only when it is complete.
 
     Raises:
-        InvalidInput: as page does, or the folder does not exist or cannot be written to.
+        InvalidInput: as in page, or the folder does not exist or cannot be written to.
     """
     content = page(robot, motion, time).encode()
     write_whole(Path(path), lambda file: file.write(content))
@@ -74,12 +74,12 @@ def page(robot: Robot, motion: Motion, time: float | None = None) -> str:
     The same motion gives the same page, to the byte.
 
     Args:
-        robot: that the motion is for.
+        robot: robot of the motion.
         motion: from plan or Motion.load.
-        time: moment shown before it is played [s]; the first one unless given.
+        time: time shown when the page opens [s]; default: the start.
 
     Raises:
-        InvalidInput: the motion is for another robot, or the time lies outside it.
+        InvalidInput: the motion is for another robot, or the time lies outside the motion.
     """
     motion.require_robot(robot)
     first, last = float(motion.time[0]), float(motion.time[-1])
@@ -104,13 +104,13 @@ def page(robot: Robot, motion: Motion, time: float | None = None) -> str:
 
 
 def _phases(motion: Motion) -> list[tuple[float, str]]:
-    """When each phase of Sec. II begins, since the first sample [s], and what is shown of it."""
+    """Start of each phase of Sec. II, since the first sample [s], and its name."""
     begins = [(0, 0), *((motion.samples(phase).start, phase) for phase in (1, 2, 3)), (motion.samples(3).stop, 0)]
     return [(float(motion.time[sample] - motion.time[0]), PHASES[phase]) for sample, phase in begins]
 
 
 class _Recorder:
-    """Stands where meshcat's server would: keeps its commands, packed for the viewer."""
+    """Replaces meshcat's server: keeps the commands, packed for the viewer."""
 
     def __init__(self) -> None:
         self.commands: list[bytes] = []
@@ -131,7 +131,7 @@ def _(thing: scene.Solid, view: Any) -> None:
     corners = np.vstack(thing.hulls)
     begins = np.cumsum([0, *(len(hull) for hull in thing.hulls[:-1])])
     faces = np.vstack([ConvexHull(hull).simplices + k for hull, k in zip(thing.hulls, begins, strict=True)])
-    # What shines through hides nothing behind it.
+    # A transparent solid hides nothing behind it.
     look = _surface(thing.colour, opacity=thing.opacity, depthWrite=thing.opacity == 1.0)
     _named(view, thing.name, forms.Mesh(forms.TriangularMeshGeometry(corners, faces), look))
 
@@ -155,7 +155,7 @@ def _(thing: scene.Trace, view: Any) -> None:
 
 
 def _named(view: Any, name: str, thing: Any) -> None:
-    """Put an object there; its identities are named, not drawn by lot, so that the same motion gives the same page."""
+    """Put an object there. Its identifiers are names, not random, so that the same motion gives the same page."""
     for part, element in (("form", thing.geometry), ("look", thing.material), ("thing", thing)):
         element.uuid = f"{name} {part}"
     view[name].set_object(thing)
@@ -167,15 +167,15 @@ def _surface(colour: str, **options: Any) -> Any:
 
 
 def _number(colour: str) -> int:
-    """0x0072B2 out of #0072B2."""
+    """Convert "#0072B2" to 0x0072B2."""
     return int(colour[1:], 16)
 
 
 class _Track(AnimationTrack):
-    """A track that keeps its numbers as two arrays, a sixth of the bytes of meshcat's table of frames."""
+    """A track that stores its numbers as two arrays. It takes a sixth of the bytes of meshcat's table of frames."""
 
     def lower(self) -> dict[str, Any]:
-        """As the viewer reads it."""
+        """The track in the viewer's format."""
         times, values = (forms.pack_numpy_array(np.asarray(x).T)["array"] for x in (self.frames, self.values))
         return {"name": f".{self.name}", "type": self.jstype, "times": times, "values": values}
 

@@ -50,7 +50,7 @@ PAGE = Template("""<!DOCTYPE html>
 <div id="trouble"></div>
 <script>
   window.addEventListener("error", (event) => {
-    document.getElementById("trouble").textContent = "This cannot be shown; it needs WebGL. " + event.message;
+    document.getElementById("trouble").textContent = "This page cannot be shown: it needs WebGL. " + event.message;
   });
 </script>
 <script type="text/plain">$licences</script>
@@ -108,14 +108,14 @@ def compose(
     """The whole page.
 
     Args:
-        title: of the page.
-        legend: what each colour stands for, by the colour.
-        viewer: folder of meshcat's viewer; its program goes into the page, and its licences with it.
-        commands: for it, packed, in base64.
-        camera: where it is seen from at first.
-        phases: when each begins, since the first sample [s], and its name.
+        title: title of the page.
+        legend: meaning of each colour, by the colour.
+        viewer: folder of meshcat's viewer. Its program and licences are copied into the page.
+        commands: commands for the viewer, packed, in base64.
+        camera: first camera position.
+        phases: start of each phase, since the first sample [s], and its name.
         begin: time of the first sample [s].
-        time: shown before it is played, since the first sample [s].
+        time: time shown when the page opens, since the first sample [s].
     """
     program, *licences = ((viewer / name).read_text(encoding="utf-8") for name in PROGRAM)
     colours = (f'<span><i style="background: {key}"></i>{html.escape(text)}</span>' for key, text in legend.items())

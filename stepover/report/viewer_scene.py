@@ -1,6 +1,6 @@
-"""What a motion's 3-D view shows, as plain values: solids, lines, traces, how they move, and from where they are seen.
+"""The content of a motion's 3-D view as plain values: solids, lines, traces, their motion, and the camera.
 
-See viewer, which hands them to meshcat.
+The module viewer passes them to meshcat.
 """
 
 from __future__ import annotations
@@ -18,26 +18,26 @@ from stepover.motion.motion import Motion
 from stepover.report.figures.style import FIRST_STAGE, LEFT, OBSTACLE, PLANNED, RIGHT
 
 RATE = 50.0
-"""Poses a second; the browser interpolates between them, and the feet stay where they are to a millimetre."""
+"""Poses per second. The browser interpolates between them; standing feet stay in place to a millimetre."""
 COM, ZMP = FIRST_STAGE, PLANNED
 MARGIN, BODY, FLOOR = "#DB3826", "#D6D8DD", ("#F3F4F6", "#DCE0E6")
 LEGEND = {LEFT: "left", RIGHT: "right", COM: "CoM, and its projection", ZMP: "ZMP", OBSTACLE: "obstacle",
           MARGIN: "safety margin"}  # fmt: skip
 TILE_SIZE, AROUND = 0.25, (1.0, 1.25)
-"""m: size of the floor's tiles, and how far it reaches beyond the way, ahead and aside."""
+"""Size of the floor's tiles, and how far the floor reaches beyond the path, ahead and to the side [m]."""
 DRAWN_HALF_WIDTH = 0.45
-"""m; the obstacle is drawn less wide along y than it is, so that its near end does not hide the feet."""
+"""Drawn half extent of the obstacle along y [m]. It is shortened, so that its near end does not hide the feet."""
 TRACE = 0.010
-"""m, width of a trace."""
+"""Width of a trace [m]."""
 LENS, EYE, TARGET_HEIGHT = 28.0, (-0.8, -4.5, 1.15), 0.70
-"""Camera: vertical angle [deg]; where it stands against what it looks at, to the right of the way and a little above
-[m]; the height it looks at, in the middle of the way [m]."""
+"""Camera: vertical angle [deg]; its place relative to its target, to the right of the path and a little above [m];
+height of the target, which is the middle of the path [m]."""
 LIFT = 0.002
-"""m, between surfaces that would otherwise lie in each other and flicker."""
+"""Distance between surfaces that would otherwise coincide and flicker [m]."""
 
 
 class Solid(NamedTuple):
-    """Convex hulls of corners (V, 3) each."""
+    """A solid of convex hulls, each given by its corners (V, 3)."""
 
     name: str
     hulls: list[np.ndarray]
@@ -54,7 +54,7 @@ class Lines(NamedTuple):
 
 
 class Trace(NamedTuple):
-    """Where something is at every sample (N, 3): its way, and a ball that runs along it."""
+    """The path of a point over all samples (N, 3), with a ball that runs along it."""
 
     name: str
     points: np.ndarray
@@ -62,14 +62,14 @@ class Trace(NamedTuple):
 
 
 class Move(NamedTuple):
-    """Positions (M, 3) and, for what turns, quaternions (M, 4)."""
+    """Positions (M, 3) and, if the object turns, quaternions (M, 4)."""
 
     positions: np.ndarray
     quaternions: np.ndarray | None = None
 
 
 class Camera(NamedTuple):
-    """Vertical angle [deg], the point it looks at, and where it stands against that [m]."""
+    """Vertical angle [deg], target point [m], and place relative to the target [m]."""
 
     lens: float
     target: tuple[float, float, float]
@@ -77,12 +77,12 @@ class Camera(NamedTuple):
 
 
 def camera(motion: Motion) -> Camera:
-    """The whole way, from the side."""
+    """A camera that shows the whole path from the side."""
     return Camera(LENS, ((motion.waist[0, 0] + motion.waist[-1, 0]) / 2.0, 0.0, TARGET_HEIGHT), EYE)
 
 
 def surroundings(robot: Robot, motion: Motion) -> Iterator[Solid | Lines]:
-    """Floor, obstacle, margins, and the soles wherever they stand."""
+    """Floor, obstacle, margins, and the soles at all places where they stand."""
     x = np.arange(motion.waist[:, 0].min() - AROUND[0], motion.waist[:, 0].max() + AROUND[0], TILE_SIZE)
     y = np.arange(-AROUND[1], AROUND[1], TILE_SIZE)
     for kind, colour in enumerate(FLOOR):
@@ -110,14 +110,14 @@ def soles(motion: Motion, side: int) -> np.ndarray:
 
 
 def _print(name: str, corners: np.ndarray, colour: str) -> Iterator[Solid | Lines]:
-    """What a sole leaves on the floor, from its corners (4, 2): one that overlaps another can be told from it."""
+    """The print of a sole on the floor, from its corners (4, 2). Overlapping prints can be told apart."""
     low, high = (np.column_stack([corners, np.full(4, z)]) for z in (-LIFT, 0.0))
     yield Solid(f"{name}/inside", [np.vstack([low, high])], colour, opacity=0.6)
     yield Lines(f"{name}/edges", high[[0, 1, 1, 2, 2, 3, 3, 0]], colour)
 
 
 def _box(low: tuple[float, ...], high: tuple[float, ...]) -> np.ndarray:
-    """Corners (8, 3) of a box between two of them."""
+    """Corners (8, 3) of a box, from two opposite ones."""
     return np.array(np.meshgrid(*zip(low, high, strict=True))).reshape(3, -1).T
 
 
@@ -127,7 +127,7 @@ def _edges(corners: np.ndarray) -> np.ndarray:
 
 
 def links(robot: Robot) -> Iterator[Solid]:
-    """The robot, in the frames of its joints; the legs in the colours of their soles."""
+    """The robot's links in the frames of their joints. The legs have the colours of their soles."""
     sides = ((robot.legs.left, LEFT), (robot.legs.right, RIGHT))
     legs = {robot.body.index(joint): colour for joints, colour in sides for joint in joints}
     for joint, name in _moved(robot).items():
@@ -136,12 +136,12 @@ def links(robot: Robot) -> Iterator[Solid]:
 
 
 def _moved(robot: Robot) -> dict[int, str]:
-    """What each joint moves, by the joint's index in Placements."""
+    """The shapes that each joint moves, by the joint's index in Placements."""
     return {shape.joint: f"robot/{shape.link}" for shape in robot.shapes}
 
 
 def traces(motion: Motion) -> Iterator[Trace]:
-    """ZMP, CoM and its projection; what lies on the floor lies on the soles' prints too."""
+    """ZMP, CoM and its projection. Traces on the floor lie above the soles' prints."""
     floor = np.full(len(motion.time), TRACE)
     yield Trace("CoM", motion.com, COM)
     yield Trace("CoM's projection", np.column_stack([motion.com[:, :2], floor]), COM)
@@ -149,14 +149,14 @@ def traces(motion: Motion) -> Iterator[Trace]:
 
 
 def evenly(points: np.ndarray, apart: float) -> np.ndarray:
-    """Points (M, 3) along a way (N, 3) as far apart as asked for, however fast it was gone."""
+    """Points (M, 3) at equal distances along a path (N, 3), whatever the speed along it."""
     along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
     places = np.linspace(0.0, along[-1], 1 + int(np.ceil(along[-1] / apart)))
     return np.column_stack([np.interp(places, along, column) for column in points.T])
 
 
 def moves(robot: Robot, motion: Motion) -> tuple[np.ndarray, dict[str, Move]]:
-    """Times (M,) since the first sample [s], RATE a second and the last one; where links and balls are then."""
+    """Times (M,) since the first sample [s], RATE per second and the last one, with the tracks of links and balls."""
     stride = max(1, round(1.0 / (RATE * motion.dt)))
     samples = np.unique(np.append(np.arange(0, len(motion.time), stride), len(motion.time) - 1))
     placed = robot.body.placements(motion.q[samples])

@@ -1,4 +1,4 @@
-"""From what was recorded to what is reported."""
+"""Compute the results of a simulation from its recording."""
 
 from __future__ import annotations
 
@@ -29,15 +29,15 @@ def measured(
     obstacle: np.ndarray,
     how: dict[str, Any],
 ) -> Run:
-    """Judge a recording.
+    """Compute the result of a simulation.
 
     Args:
         robot: the robot.
-        motion: what it was to do.
-        recording: what it did.
-        fall: sample of a fall and what it shows by, or None.
-        obstacle: (4,) rectangle of the bare obstacle, where it really was.
-        how: actuators, sole, stabilizer, perturb, engine and realtime_factor, as they go into the result.
+        motion: the planned motion.
+        recording: the measured motion.
+        fall: sample and sign of a fall, or None.
+        obstacle: (4,) rectangle of the bare obstacle at its true place.
+        how: actuators, sole, stabilizer, perturb, engine and realtime_factor, copied into the result.
     """
     placements, shapes = _bodies(robot, recording)
     series = _series(robot, motion, recording, placements, _separation(shapes, placements, obstacle))
@@ -75,7 +75,7 @@ def measured(
 
 
 def _bodies(robot: Robot, recording: Recording) -> tuple[Placements, list[Shape]]:
-    """Where all links were, and their shapes; on rubber with the plates of the feet on their own."""
+    """Measured places of all links, and their shapes. With rubber soles, the plates of the feet are separate links."""
     placements = robot.body.placements(recording.q[: recording.count])
     if not recording.bush_depth:
         return placements, robot.shapes
@@ -84,12 +84,12 @@ def _bodies(robot: Robot, recording: Recording) -> tuple[Placements, list[Shape]
 
 
 def _separation(shapes: list[Shape], placements: Placements, obstacle: np.ndarray) -> np.ndarray:
-    """Bound (M,) of the distance of all shapes from the obstacle."""
+    """Lower bound (M,) of the distance of all shapes from the obstacle [m]."""
     return np.asarray(np.min([separation(shape, placements, obstacle) for shape in shapes], axis=0))
 
 
 def _series(robot: Robot, motion: Motion, recording: Recording, placements: Placements, distance: np.ndarray) -> Series:
-    """Cut the recording to its length and add what follows from it."""
+    """The filled part of the recording, with the series that are computed from it."""
     m, body = recording.count, robot.body
     total, least = recording.total[:m], robot.simulation.loaded_share * body.mass * GRAVITY
     bearing = recording.feet[:m, :, 2] >= least
@@ -114,7 +114,7 @@ def _series(robot: Robot, motion: Motion, recording: Recording, placements: Plac
 
 
 def _counts(robot: Robot, flags: np.ndarray) -> dict[str, int]:
-    """How many samples (M, nq - 7) are flagged, of the joints that have any."""
+    """Number of flagged samples (M, nq - 7) by joint; joints without any are left out."""
     return {joint: int(n) for joint, n in zip(robot.body.joint_names, flags.sum(axis=0), strict=True) if n}
 
 
@@ -130,7 +130,7 @@ def _sole(robot: Robot, placements: Placements, joint: int) -> np.ndarray:
 
 
 def _landing_force(robot: Robot, motion: Motion, series: Series, kind: int, end: int) -> float:
-    """Peak of the vertical force on a foot around its planned touch-down [N]; NaN where that was not reached."""
+    """Peak of the vertical force on a foot around its planned touch-down [N]; NaN if the run ended before that."""
     step = motion.footsteps.of_kind(kind)
     window = robot.simulation.landing_window
     if len(step) == 0 or series.time[end - 1] < step.time[0]:
@@ -141,7 +141,7 @@ def _landing_force(robot: Robot, motion: Motion, series: Series, kind: int, end:
 
 
 def _contact(motion: Motion, series: Series, recording: Recording, end: int) -> str | None:
-    """The first contact with the obstacle as a sentence; None where there is none before the end."""
+    """The first contact with the obstacle as a sentence; None if there was no contact."""
     if recording.touched is None or recording.touched[0] >= end:
         return None
     sample, links = recording.touched
@@ -151,7 +151,7 @@ def _contact(motion: Motion, series: Series, recording: Recording, end: int) -> 
 
 
 def _sentence(what: str, motion: Motion, series: Series, sample: int, cause: str) -> str:
-    """One sentence: what, when, which link, stance foot and phase, last ZMP margin."""
+    """A sentence that states what happened, when, by which link, the stance foot, the phase and the last ZMP margin."""
     stance = {0: "both feet bear", 1: "the left foot bears", -1: "the right foot bears"}[int(motion.support[sample])]
     margins = series.zmp_margin[: sample + 1]
     margins = margins[np.isfinite(margins)]
@@ -161,6 +161,6 @@ def _sentence(what: str, motion: Motion, series: Series, sample: int, cause: str
 
 
 def _rms(error: np.ndarray) -> list[float]:
-    """Root mean square per axis over the rows without NaN."""
+    """Root mean square of each axis, over the rows without NaN."""
     good = error[np.isfinite(error).all(axis=1)]
     return [float(x) for x in np.sqrt((good**2).mean(axis=0))] if len(good) else [float("nan")] * error.shape[1]

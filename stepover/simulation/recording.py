@@ -1,4 +1,4 @@
-"""What is written down while the physics runs, at every sample of the motion."""
+"""Record measurements while the physics runs, at every sample of the motion."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from stepover.simulation.observers import Observer, Sample
 
 
 class Recording(Observer):
-    """Measured series at the motion's sample times, N long, of which the first `count` are filled.
+    """Measured series at the N sample times of the motion. The first `count` samples are filled.
 
-    Forces and torques are means over the time steps since the sample before; they are zero at the first sample.
+    Forces and torques are means over the time steps since the sample before. They are zero at the first sample.
 
     Attributes:
         q: (N, nq) measured configurations.
@@ -23,17 +23,17 @@ class Recording(Observer):
         torque: (N, nq - 7) [N m].
         feet: (N, 2, 6) wrenches of the floor on the left and right foot, about the world's origin.
         total: (N, 6) the same on the whole robot.
-        saturated: (N, nq - 7) whether a motor gave all the torque it has.
+        saturated: (N, nq - 7) whether a motor reached its torque limit.
         bush: (N, 6) deflections of the rubber under the left and the right ankle: up, roll, pitch [m, rad].
-        bush_depth: of the rubber below the ankle [m]; 0 on rigid soles.
-        believed_waist, believed_com: (N, 3) where the stabilizer's estimator takes them to be [m]; NaN without one.
-        obstacle_depth: (N,) largest depth of a contact with the obstacle [m], NaN where there is none.
-        touched: the first sample with such a contact and the links that have it, or None.
-        count: samples filled so far.
+        bush_depth: depth of the rubber below the ankle [m]; 0 for rigid soles.
+        believed_waist, believed_com: (N, 3) the stabilizer's estimates [m]; NaN without a stabilizer.
+        obstacle_depth: (N,) largest depth of a contact with the obstacle [m]; NaN without contact.
+        touched: the first sample with such a contact and the links that touch, or None.
+        count: number of filled samples.
     """
 
     def __init__(self, motion: Motion, engine: Engine) -> None:
-        """Make room for a motion in a world."""
+        """Allocate the arrays for a motion in a world."""
         count, joints = len(motion.time), len(motion.joint_names)
         self.bush_depth = engine.bush_depth
         self._age = samples(engine.scene.robot.stabilizer.age, motion.dt)
@@ -47,7 +47,7 @@ class Recording(Observer):
         self.count = 0
 
     def sampled(self, sample: Sample) -> None:
-        """Write down a sample."""
+        """Record one sample."""
         k, touch = sample.index, sample.touch
         self.q[k], self.dq[k] = sample.q, sample.dq
         if k and self.q[k, 3:7] @ self.q[k - 1, 3:7] < 0.0:

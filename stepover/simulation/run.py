@@ -1,4 +1,4 @@
-"""A motion carried out in the physics, and what was measured: Sec. V's simulation, with PyBullet for OpenHRP."""
+"""Carry out a motion in the physics and measure it: the simulation of Sec. V, with PyBullet instead of OpenHRP."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from stepover.simulation.recording import Recording
 AVAILABLE: dict[str, tuple[object, ...]] = {
     "actuators": ("ideal", "limited"), "sole": ("rigid", "compliant"), "stabilizer": (False, True),
 }  # fmt: skip
-"""Values that each option of simulate may have."""
+"""Allowed values of each option of simulate."""
 
 
 def simulate(
@@ -38,22 +38,22 @@ def simulate(
     engine: str = DEFAULT,
     progress: Callable[[float], None] | None = None,
 ) -> Run:
-    """Carry a motion out in the physics: a fresh world each time, so that two runs are equal to the bit.
+    """Carry out a motion in the physics. Each run starts with a new world, so two runs are equal to the bit.
 
     Args:
         motion: from plan or Motion.load.
         actuators: "ideal": position-controlled motors without limits, as in the paper's simulation; "limited":
             servos with stiffness, damping and limits of torque and speed.
         sole: "rigid", or "compliant": rubber between ankle and sole.
-        stabilizer: feedback from what the robot senses, or the planned angles as they are.
-        perturb: what is otherwise than planned, by name: simulation.disturbances.Disturbances.
-        robot: the motion's own unless given.
-        obstacle: put the bare obstacle into the world.
-        engine: the physics engine, by its name in simulation.engine.
+        stabilizer: whether sensor feedback corrects the planned joint angles.
+        perturb: disturbances by name; see simulation.disturbances.Disturbances.
+        robot: the robot; default: the one named in the motion.
+        obstacle: whether the bare obstacle stands in the world.
+        engine: name of the physics engine; see simulation.engine.
         progress: called now and then with the share done, 0 to 1.
 
     Raises:
-        InvalidInput: an option or an engine that is not available, or a robot that the motion is not for.
+        InvalidInput: an option or an engine is not available, or the motion was planned for another robot.
     """
     require_type("motion", motion, Motion, "what plan(...) or Motion.load(...) returns")
     how = {"actuators": actuators, "sole": sole, "stabilizer": stabilizer}

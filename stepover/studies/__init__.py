@@ -1,1 +1,1 @@
-"""Long tables: many runs in parallel, seeded, resumable."""
+"""Studies: tables of many runs, computed in parallel. They are seeded and can be resumed."""

@@ -1,4 +1,4 @@
-"""python -m stepover.studies: run or resume all studies, and name the tables that they wrote."""
+"""python -m stepover.studies: run or resume all studies, and print the paths of their tables."""
 
 from __future__ import annotations
 

@@ -1,25 +1,25 @@
-"""Whether a simulation that was run anew is the stored one, in a word for a table.
+"""Whether a repeated simulation agrees with the stored one, in a few words for a table.
 
-The physics repeats to the bit on one machine. Another processor rounds otherwise, and a foot that bounces makes more of
-that; then the outcome must be the same, and the number that counts nearly so.
+On one machine the physics repeats to the bit. Another processor rounds differently, and a bouncing foot amplifies the
+difference. Then the outcome must be equal, and the main number nearly equal.
 """
 
 from __future__ import annotations
 
 YES, NEARLY, NO = "yes, to the bit", "but for rounding", "no"
 CLOSE = 0.002
-"""m: two clearances that hardly differ."""
+"""Difference of two clearances that counts as small [m]."""
 
 
 def agreement(same: bool, now: float | None, then: float | None, share: float = 0.0, room: float = 0.0) -> str:
-    """YES for the same bits, NEARLY for numbers that hardly differ, else NO.
+    """YES for equal bits, NEARLY for a small difference, else NO.
 
     Args:
-        same: whether all that is compared is equal.
-        now: the number that counts; None where there is none, which must be so both times.
-        then: the same, as stored.
-        share: of it by which it may differ.
-        room: and by how much more, in its own unit.
+        same: whether all compared values are equal.
+        now: the main number now, or None. None only agrees with None.
+        then: the stored main number.
+        share: allowed relative difference.
+        room: additional allowed difference, in the unit of the number.
     """
     if same:
         return YES

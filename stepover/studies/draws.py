@@ -1,4 +1,4 @@
-"""Disturbances drawn at random, under the names that simulate knows them by: a draw follows from seed and number."""
+"""Random disturbances, with the names that simulate uses. A draw depends only on the seed and its number."""
 
 from __future__ import annotations
 
@@ -13,20 +13,19 @@ from stepover.studies.study import rounded
 
 @dataclass(frozen=True)
 class Ranges:
-    """Lowest and highest value of each disturbance; every one is drawn uniformly, on its own.
+    """Lowest and highest value of each disturbance. Each is drawn uniformly and independently.
 
     Attributes:
-        friction: between everything.
-        slope: the floor rises ahead, and to the left [deg].
-        chest_mass: more mass at the chest, as a share of the robot's.
-        chest_com_x: centre of mass of the chest further ahead [m].
-        obstacle_x: obstacle further ahead [m].
-        push: size of one push at the waist [N]; its direction is any in the plane, and it begins at any time of the
-            motion that leaves room for it.
-        push_duration: how long it lasts, always [s].
-        late: what the robot senses is older by this, on top of the one period of 5 ms that it always is: 5 to 10 ms
-            in all [s].
-        ground: floor under each foothold higher [m].
+        friction: friction of all contacts.
+        slope: slope of the floor, up ahead, and the same up to the left [deg].
+        chest_mass: added mass at the chest, as a share of the robot's mass.
+        chest_com_x: forward shift of the chest's centre of mass [m].
+        obstacle_x: forward shift of the obstacle [m].
+        push: size of one push at the waist [N]. Its horizontal direction is random. It begins at a random time, early
+            enough to end within the motion.
+        push_duration: duration of the push, always the same [s].
+        late: extra sensor delay, added to the period of 5 ms that every reading takes. The total is 5 to 10 ms [s].
+        ground: floor height under each foothold [m].
     """
 
     friction: tuple[float, float] = (0.4, 1.0)
@@ -41,23 +40,23 @@ class Ranges:
 
 
 RANGES = Ranges()
-"""Of every study."""
+"""Ranges of every study."""
 
 
 @dataclass(frozen=True)
 class Draw:
-    """One draw of all disturbances, under the names that simulate knows them by.
+    """One draw of all disturbances, with the names that simulate uses.
 
     Attributes:
-        seed, draw: what it depends on.
-        friction: between everything.
-        slope_ahead, slope_left: how the floor rises [deg].
-        chest_mass: as a share of the robot's mass.
-        chest_com_x, obstacle_x: further ahead [m].
+        seed, draw: seed and number of the draw.
+        friction: friction of all contacts.
+        slope_ahead, slope_left: slope of the floor [deg].
+        chest_mass: added mass at the chest, as a share of the robot's mass.
+        chest_com_x, obstacle_x: forward shifts [m].
         push_x, push_y: push at the waist [N].
-        push_time, push_duration: when it begins, and how long it lasts [s].
-        latency: beside the one period [s].
-        ground: heights of the floor under the footholds, one after the other, with a space between [m].
+        push_time, push_duration: start and duration of the push [s].
+        latency: sensor delay, in addition to one period [s].
+        ground: floor heights under the footholds [m], as one text with spaces between them.
     """
 
     seed: int
@@ -82,19 +81,19 @@ class Draw:
 
     @property
     def perturb(self) -> dict[str, float]:
-        """For simulate, and for simulate's --perturb."""
+        """The disturbances as simulate and its option --perturb take them."""
         named = {field.name: getattr(self, field.name) for field in dataclasses.fields(Draw)[2:-1]}
         return named | {f"ground_{number}": height for number, height in enumerate(self.heights, 1)}
 
 
 def draw(motion: Motion, seed: int, number: int, ranges: Ranges = RANGES) -> Draw:
-    """One draw out of the ranges, to six decimals, so that the table says exactly what was simulated.
+    """One draw from the ranges. Values have six decimals, so that the table states exactly the simulated values.
 
     Args:
-        motion: how long it lasts, and how many footholds it has.
-        seed: of the study, not negative.
-        number: of the draw, from 0.
-        ranges: what is drawn from.
+        motion: gives the duration and the number of footholds.
+        seed: seed of the study, not negative.
+        number: number of the draw, from 0.
+        ranges: ranges of the values.
     """
     random = np.random.default_rng([seed, number])
 

@@ -1,4 +1,4 @@
-"""What the rows of a study depend on: the code that computes them, and the robot's files."""
+"""Fingerprint of all that the rows of a study depend on: the code that computes them, and the robot's files."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ from stepover.robots.meshes import find_mesh
 
 PACKAGE = "stepover"
 FOLDER = Path(__file__).resolve().parents[1]
-"""Where the package lies."""
+"""Folder of the package."""
 
 
 def fingerprint(work: Callable[..., Any], robot: str, *more: object) -> str:
-    """Twelve digits that change with the code, the robot's files, or anything else that is named.
+    """Twelve digits that change with the code, the robot's files, or any further value given.
 
     Args:
-        work: computes the rows: a function, or an object that can be called.
-        robot: its name, or the path of its robot.toml.
-        more: whatever else the rows depend on.
+        work: the function or callable object that computes the rows.
+        robot: name of the robot, or the path of its robot.toml.
+        more: further values that the rows depend on.
     """
     digest = hashlib.sha256(repr(more).encode())
     for path in [*sources(work.__module__), *robot_files(robot)]:
@@ -36,10 +36,10 @@ def fingerprint(work: Callable[..., Any], robot: str, *more: object) -> str:
 
 @cache
 def sources(module: str) -> tuple[Path, ...]:
-    """Files of a module and of all that it imports of this package, directly or through others.
+    """Files of a module and of all modules of this package that it imports, directly or indirectly.
 
-    Imports inside functions count, and modules that are named in a text, as a registry of engines names them: but not
-    those that the package itself offers. Imports for type checking alone do not count.
+    Imports inside functions count. So do modules named in a text, as in the registry of engines, but not those named in
+    the package's own __init__. Imports for type checking only do not count.
     """
     found, waiting = dict[str, Path](), [module]
     while waiting:
@@ -54,7 +54,7 @@ def sources(module: str) -> tuple[Path, ...]:
 
 
 def _file_of(module: str) -> Path | None:
-    """The file of a module of this package, or of one outside that is loaded; None for a name in a module."""
+    """The file of a module of this package, or of a loaded module outside it; None if the name is not a module."""
     top, *parts = module.split(".")
     if top == PACKAGE:
         place = FOLDER.joinpath(*parts)
@@ -65,7 +65,7 @@ def _file_of(module: str) -> Path | None:
 
 
 def _imported(node: ast.AST) -> Iterator[str]:
-    """Names that may be modules of this package, of all import statements under a node."""
+    """Possible names of modules of this package, from all import statements under a node."""
     if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test):
         for other in node.orelse:
             yield from _imported(other)
@@ -81,14 +81,14 @@ def _imported(node: ast.AST) -> Iterator[str]:
 
 
 def _named(tree: ast.AST) -> Iterator[str]:
-    """Texts that may name modules of this package."""
+    """Texts that may be names of modules of this package."""
     for node in ast.walk(tree):
         if isinstance(node, ast.Constant) and str(node.value).startswith(f"{PACKAGE}."):
             yield str(node.value)
 
 
 def robot_files(robot: str) -> list[Path]:
-    """The robot.toml, the URDF, and the meshes that its links collide with."""
+    """The robot.toml, the URDF, and its collision meshes."""
     toml = Path(robot) if Path(robot).suffix == ".toml" else data_folder() / robot / "robot.toml"
     urdf = load_robot(robot).urdf_path
     named = {mesh.get("filename", "") for mesh in ElementTree.parse(urdf).iterfind("link/collision/geometry/mesh")}

@@ -1,7 +1,7 @@
-"""What the force at landing depends on: the stored table, and whether that agrees anew. Sec. III-B.
+"""Study of the landing force and what it depends on. Sec. III-B.
 
-The stored table, figures/landing.csv, is made by `make studies`: three swings of leg 1 for each variation of motors,
-soles, floor and control. The hash of each motion tells whether it is still planned so today.
+`make studies` writes the stored table, figures/landing.csv: three swings of leg 1 for each variation of motors, soles,
+floor and control. The hash of each motion shows whether today's planner still plans the same motion.
 """
 
 from __future__ import annotations
@@ -25,16 +25,16 @@ from stepover.studies.study import Row, make_table, read_rows, robot_of, rounded
 
 NAME = "landing"
 HEIGHT, WIDTH = 0.15, 0.05
-"""Of the paper's obstacle [m]."""
+"""Height and width of the paper's obstacle [m]."""
 LONG, SHORT = 1.5, 0.78
-"""Swing times: of leg 1 and of a normal step (Sec. V) [s]."""
+"""Swing times of leg 1 and of a normal step (Sec. V) [s]."""
 SWINGS = ((SHAPED, LONG), (NAIVE, LONG), (NAIVE, SHORT))
-"""Each variation is simulated with these."""
+"""Swings for every variation."""
 MORE_SWINGS = ((SAME_APEX, LONG), (SHAPED, SHORT))
-"""And both base cases with these as well."""
+"""Additional swings for both base cases."""
 
 MEASURED = ("contact", "speed", "touch_down", "peak", "peak_time")
-"""What a row keeps of a landing, as landing_force.Landing has it."""
+"""Values of a Landing that a row stores."""
 
 
 @dataclass(frozen=True)
@@ -44,8 +44,8 @@ class Point:
     Attributes:
         variation: one of VARIATIONS.
         profile, swing_time: as in landing_motion.
-        robot: its name.
-        height, width: of the obstacle [m]; in the stored table the paper's.
+        robot: name of the robot.
+        height, width: size of the obstacle [m]; in the stored table, that of the paper.
     """
 
     variation: str
@@ -63,15 +63,15 @@ class Point:
 
 @dataclass(frozen=True)
 class Landed:
-    """What became of one landing; a row of the table. Values that do not exist are None.
+    """The result of one landing: a row of the table. Missing values are None.
 
     Attributes:
-        robot, version, variation, profile, swing_time: what was simulated.
+        robot, version, variation, profile, swing_time: the simulated case.
         motion: hash of the motion.
         contact: first contact, after the planned touch-down [s].
         speed: descent of the ankle just before [m/s].
-        touch_down, peak: forces, means over 5 ms [N]: see landing_force.Landing.
-        peak_time: when, after the planned touch-down [s].
+        touch_down, peak: forces, means over 5 ms [N]; see analysis.landing.force.Landing.
+        peak_time: time of the peak, after the planned touch-down [s].
         fell: why the robot counts as fallen.
     """
 
@@ -97,17 +97,17 @@ def points() -> list[Point]:
 
 @lru_cache(maxsize=8)
 def _motion(robot: str, profile: str, swing_time: float, height: float, width: float) -> Motion:
-    """Made once a process."""
+    """The motion, computed once in each process."""
     return landing_motion(robot_of(robot), Obstacle(height, width), profile, swing_time)
 
 
 def landing_of(point: Point) -> Landing:
-    """Let one motion land."""
+    """Simulate the landing of a point."""
     return VARIATIONS[point.variation].land(robot_of(point.robot), point.motion)
 
 
 def row_of(point: Point, landing: Landing) -> Landed:
-    """The row of a point, and of what became of it."""
+    """The row of a point and its landing."""
     made = __version__, point.variation, point.profile, point.swing_time
     row = Landed(point.robot, *made, point.motion.hash())
     values = {name: rounded(getattr(landing, name)) for name in MEASURED}
@@ -116,17 +116,17 @@ def row_of(point: Point, landing: Landing) -> Landed:
 
 
 def carry_out(point: Point) -> Row:
-    """Let one motion land: a row for run_study."""
+    """Simulate one landing: a row for run_study."""
     return dataclasses.asdict(row_of(point, landing_of(point)))
 
 
 def study(path: Path | None = None, build: Path | None = None, workers: int | None = None) -> Path:
-    """Run or resume the study, and write its table: see make_table."""
+    """Run or resume the study and write its table; see make_table."""
     return make_table(NAME, points(), carry_out, Landed, path, build, workers)
 
 
 def read_table(path: Path | None = None) -> list[Landed]:
-    """Rows of a table, of the stored one unless another is given."""
+    """Rows of a table; default: the stored table."""
     return read_rows(Landed, path or stored_table(NAME))
 
 
@@ -134,7 +134,7 @@ def at(rows: Sequence[Landed], point: Point) -> Landed:
     """The row of a point.
 
     Raises:
-        KeyError: there is none.
+        KeyError: the table has no such row.
     """
     for row in rows:
         if (row.variation, row.profile, row.swing_time) == (point.variation, point.profile, point.swing_time):
@@ -143,7 +143,7 @@ def at(rows: Sequence[Landed], point: Point) -> Landed:
 
 
 def agreement_of(rows: Sequence[Landed], point: Point, landing: Landing) -> str:
-    """How a landing that was simulated anew agrees with the stored row: in everything, or else in its peak."""
+    """How a repeated landing agrees with the stored row: in all values, or else in its peak."""
     new, then = row_of(point, landing), at(rows, point)
     if (new.motion, new.fell) != (then.motion, then.fell):
         return NO

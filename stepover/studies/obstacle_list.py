@@ -1,4 +1,4 @@
-"""Which obstacles are looked at: a grid of heights and widths, or a list in a file."""
+"""The obstacles of a sweep: a grid of heights and widths, or a list in a file."""
 
 from __future__ import annotations
 
@@ -12,20 +12,20 @@ from pathlib import Path
 from stepover.errors import InvalidInput
 
 MOST = 1_000_000
-"""Obstacles of one sweep: more are a slip of the pen."""
+"""Largest number of obstacles in one sweep. More are taken for a typing error."""
 Sizes = tuple[float, float]
 """Height and width of a bare obstacle [m]."""
 
 
 def axis(text: str, name: str) -> list[float]:
-    """Values of one axis of a grid [m]: first:last:step with both ends, or values with commas between.
+    """Values of one axis of a grid [m]: first:last:step, including both ends, or values separated by commas.
 
     Args:
-        text: such as 0.05:0.25:0.05 or 0.1,0.15.
-        name: of the option, for the complaint.
+        text: a text such as 0.05:0.25:0.05 or 0.1,0.15.
+        name: name of the option, for the error message.
 
     Raises:
-        InvalidInput: it is neither, it runs backwards, or it has too many values.
+        InvalidInput: the text has neither form, does not rise, or gives too many values.
     """
     try:
         parts = [float(part) for part in text.replace(":", ",").split(",")]
@@ -51,7 +51,7 @@ def grid(heights: Sequence[float], widths: Sequence[float]) -> list[Sizes]:
     """Sizes [m] of a grid, by height, then by width.
 
     Raises:
-        InvalidInput: there are too many, or one comes twice.
+        InvalidInput: the grid has too many obstacles, or one of them twice.
     """
     if len(heights) * len(widths) > MOST:
         raise InvalidInput(f"the grid has {len(heights) * len(widths)} obstacles; at most {MOST} are swept at once")
@@ -59,11 +59,11 @@ def grid(heights: Sequence[float], widths: Sequence[float]) -> list[Sizes]:
 
 
 def read_list(path: Path) -> list[Sizes]:
-    """Sizes [m] in a table with the columns height and width; other columns are left alone.
+    """Sizes [m] in a table with the columns height and width. Other columns are ignored.
 
     Raises:
-        InvalidInput: there is no such file, it lacks a column or a row, a line holds what is no number, or an obstacle
-            comes twice.
+        InvalidInput: there is no such file, it lacks a column or has no rows, a value is not a number, or an obstacle
+            occurs twice.
     """
     try:
         with open(path, newline="", encoding="utf-8-sig") as file:
@@ -81,7 +81,7 @@ def read_list(path: Path) -> list[Sizes]:
 
 
 def _each_once(sizes: list[Sizes]) -> list[Sizes]:
-    """Refuse an obstacle that comes twice."""
+    """Reject an obstacle that occurs twice."""
     for (height, width), count in Counter(sizes).items():
         if count > 1:
             raise InvalidInput(f"the obstacle {height:g} m high and {width:g} m wide is given {count} times")
@@ -89,7 +89,7 @@ def _each_once(sizes: list[Sizes]) -> list[Sizes]:
 
 
 def _sizes(path: Path, line: int, height: str | None, width: str | None) -> Sizes:
-    """Height and width of a line."""
+    """Height and width in a line."""
     try:
         return float(height or ""), float(width or "")
     except ValueError:

@@ -1,7 +1,7 @@
-"""Which obstacles can be crossed: the plane of heights and widths, planned, and carried out in the physics.
+"""Study of which obstacles can be crossed: a plane of heights and widths, planned and simulated.
 
-The stored table, figures/obstacle_plane.csv, is a sweep of its own, see sweep.py, made by `make studies`. The hash of
-each motion tells whether the planner of today still plans what the table was made from.
+The stored table, figures/obstacle_plane.csv, is a sweep (see sweep.py) that `make studies` runs. The hash of each
+motion shows whether today's planner still plans the same motion.
 """
 
 from __future__ import annotations
@@ -19,13 +19,13 @@ HEIGHTS = tuple(round(0.05 + 0.025 * k, 3) for k in range(13))
 WIDTHS = (0.02, 0.05, 0.08, 0.11, 0.14, 0.17, 0.20, 0.25)
 """The grid [m]."""
 CORNERS = ((0.22, 0.07), (0.15, 0.13))
-"""Heights and widths beside the grid: together with 0.25 by 0.05 m, what must be crossed and all below it [m]."""
+"""Heights and widths beside the grid [m]. The robot must cross these, 0.25 by 0.05 m, and all smaller ones."""
 SAMPLE = ((0.10, 0.11), (0.20, 0.05), (0.25, 0.05))
 """Heights and widths that a notebook and a test plan anew."""
 
 
 def grid(heights: Sequence[float] = HEIGHTS, widths: Sequence[float] = WIDTHS) -> list[Point]:
-    """Points of a grid, by height, then by width."""
+    """Points of a grid, ordered by height, then by width."""
     return [Point(height, width) for height in heights for width in widths]
 
 
@@ -38,16 +38,16 @@ def study(
     points: Sequence[Point] | None = None, table: Path | None = None, build: Path | None = None,
     workers: int | None = None,
 ) -> Path:  # fmt: skip
-    """Run or resume the study of the whole plane, or of some points, and write its table: see make_table."""
+    """Run or resume the study of the whole plane or of some points, and write its table; see make_table."""
     points = sorted(whole_plane() if points is None else points, key=lambda point: (point.height, point.width))
     return make_table(NAME, points, cross, Crossing, table, build, workers)
 
 
 def read_table(path: Path | None = None) -> list[Crossing]:
-    """Rows of a table, of the stored one unless another is given.
+    """Rows of a table; default: the stored table.
 
     Raises:
-        InvalidInput: there is no such table, or it is not one of this study.
+        InvalidInput: there is no such table, or it belongs to another study.
     """
     return read_rows(Crossing, path or stored_table(NAME))
 
@@ -56,7 +56,7 @@ def at(rows: Sequence[Crossing], height: float, width: float) -> Crossing:
     """The row of an obstacle.
 
     Raises:
-        InvalidInput: the table has none.
+        InvalidInput: the table has no such row.
     """
     for row in rows:
         if abs(row.height - height) < 1e-9 and abs(row.width - width) < 1e-9:
@@ -65,7 +65,7 @@ def at(rows: Sequence[Crossing], height: float, width: float) -> Crossing:
 
 
 def again(stored: Crossing, physics: bool = True) -> tuple[Crossing, str]:
-    """Plan, and carry out, a row of the table anew: the new row, and how the two agree."""
+    """Plan and simulate a row of the table anew. Returns the new row and how it agrees with the stored one."""
     new = Crossing(**cross(Point(stored.height, stored.width, stored.robot, physics)))
     if new.motion != stored.motion or (physics and new.crossed != stored.crossed):
         return new, NO

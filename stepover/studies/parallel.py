@@ -1,4 +1,4 @@
-"""Work spread over the cores, or over a Dask cluster, by joblib. The only door to joblib and Dask."""
+"""Run work on all cores or on a Dask cluster, with joblib. No other module uses joblib or Dask."""
 
 from __future__ import annotations
 
@@ -21,29 +21,29 @@ from stepover.extras import needs
 
 Row = dict[str, Any]
 Work = Callable[[Any], Row]
-"""From a point to a row of plain values: a function, or an object that can be called, that a process can be handed."""
+"""A function or callable object from a point to a row of plain values. It must be picklable."""
 
 
 PATIENCE = 10.0
-"""How long a cluster may take to answer, and to have a worker [s]."""
+"""Longest time for a cluster to answer, and to have a worker [s]."""
 
 _one_at_a_time = threading.Lock()
 
 
 def computed(points: Sequence[Any], work: Work, workers: int | str | None = None) -> Generator[tuple[Any, Row]]:
-    """Points with their rows, as they are finished.
+    """Points with their rows, in the order in which they are finished.
 
     Args:
-        points: what work takes.
-        work: a function at the top of a module, or an object that can be called.
-        workers: processes, 1: this one; one a core unless given; or the address of a Dask scheduler, whose workers
-            do the work then.
+        points: inputs of work.
+        work: a function at the top of a module, or a callable object.
+        workers: number of processes, where 1 means only this one; default: one for each core. Or the address of a Dask
+            scheduler, whose workers then do the work.
 
     Raises:
-        InvalidInput: the cluster does not answer, has no worker, or its workers run other code than this.
-        StepOverError: its scheduler is lost on the way. Workers may be: others do their work.
+        InvalidInput: the cluster does not answer, has no worker, or its workers run a different stepover.
+        StepOverError: the connection to the scheduler is lost. If a worker is lost, others do its work.
     """
-    warnings.filterwarnings("ignore", r"\d+ tasks .*(not used|cancelled)")  # joblib's word on an interruption
+    warnings.filterwarnings("ignore", r"\d+ tasks .*(not used|cancelled)")  # joblib's message after an interruption
     if len(points) > 0:
         with _cluster(workers) if isinstance(workers, str) else _cores(len(points), workers) as pool:
             yield from pool(delayed(_with_row)(work, point) for point in points)
@@ -51,7 +51,7 @@ def computed(points: Sequence[Any], work: Work, workers: int | str | None = None
 
 @contextmanager
 def _cores(count: int, workers: int | None) -> Iterator[Parallel]:
-    """Processes on this machine, no more than there are points."""
+    """Processes on this machine, at most one for each point."""
     count = min(count, workers or cpu_count())
     yield Parallel(
         count, return_as="generator_unordered", batch_size=1, max_nbytes=None, initializer=_serve,
@@ -61,7 +61,7 @@ def _cores(count: int, workers: int | None) -> Iterator[Parallel]:
 
 @contextmanager
 def _cluster(address: str) -> Iterator[Parallel]:
-    """The workers of a Dask scheduler, which is left running."""
+    """The workers of a Dask scheduler, which keeps running afterwards."""
     with needs("a Dask cluster"):
         from distributed import Client
     start = "'dask scheduler' starts one, 'dask worker ADDRESS --nworkers -1 --nthreads 1' its workers"
@@ -83,7 +83,7 @@ def _cluster(address: str) -> Iterator[Parallel]:
 
 @contextmanager
 def _watched(client: Any, address: str) -> Iterator[None]:
-    """Give up where the scheduler is lost for longer than PATIENCE: joblib would wait for its rows for ever."""
+    """Give up if the scheduler is lost for longer than PATIENCE. Otherwise joblib would wait for ever."""
     over, lost = threading.Event(), threading.Event()
 
     def watch() -> None:
@@ -101,18 +101,18 @@ def _watched(client: Any, address: str) -> Iterator[None]:
             raise
     finally:
         over.set()
-    if lost.is_set():  # joblib may also just end, with rows missing
-        raise StepOverError(f"the Dask scheduler at {address} is lost; what is finished is kept")
+    if lost.is_set():  # joblib may also end early, with rows missing
+        raise StepOverError(f"the Dask scheduler at {address} is lost; finished rows are kept")
 
 
 def _require_same_code(client: Any) -> None:
-    """Refuse workers whose rows would be those of another stepover."""
+    """Reject workers that run a different stepover."""
     try:
         found = set(client.run(_code).values())
-    except Exception as error:  # whatever a worker makes of a package that it does not have
+    except Exception as error:  # a worker without the package may raise any error
         raise InvalidInput(f"the Dask workers cannot load stepover: {type(error).__name__}, {error}") from error
     if found != {_code()}:
-        raise InvalidInput("the Dask workers run another stepover than this one: install the same everywhere")
+        raise InvalidInput("the Dask workers run another stepover than this one: install the same version everywhere")
 
 
 def _code() -> str:
@@ -124,13 +124,13 @@ def _code() -> str:
 
 
 def _with_row(work: Work, point: Any) -> tuple[Any, Row]:
-    """A point and its row. One at a time in a process: a Dask worker may have threads, a robot's pools are for one."""
+    """A point and its row. A process computes one at a time: a robot's pools serve one thread, a worker may have many."""
     with _one_at_a_time:
         return point, work(point)
 
 
 def _serve(parent: int) -> None:
-    """Let a process leave Ctrl-C to its parent, and end when the parent does, even one that is killed."""
+    """Let a process ignore Ctrl-C, which its parent handles, and end when the parent ends or is killed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
     def watch() -> None:

@@ -1,8 +1,8 @@
-"""How robust a planned motion is: many simulations with disturbances drawn at random, with and without stabilizer.
+"""Study of robustness: many simulations of a motion with random disturbances, with and without the stabilizer.
 
-Each draw is carried out twice, so that the two are compared under the same disturbances. A draw depends on its seed
-and its number alone: a longer study contains the shorter one. The stored table, figures/robustness.csv, is made by
-`make studies`, others by `python -m stepover study`; studies.py says how it is interrupted and continued.
+Each draw is simulated twice, so that both cases have the same disturbances. A draw depends only on its seed and number,
+so a longer study contains the shorter one. `make studies` writes the stored table, figures/robustness.csv; `python -m
+stepover study` writes others. study.py explains how a study is interrupted and continued.
 """
 
 from __future__ import annotations
@@ -27,14 +27,14 @@ from stepover.studies.study import make_table, read_rows, robot_of, rounded, sto
 
 NAME = "robustness"
 HEIGHT, WIDTH = 0.15, 0.05
-"""Of the paper's obstacle, which the stored table is about [m]."""
+"""Height and width of the paper's obstacle, used for the stored table [m]."""
 RUNS, SEED, ACTUATORS, SOLE = 200, 0, "limited", "compliant"
-"""Of the stored table."""
+"""Draws, seed, actuators and sole of the stored table."""
 
 
 @dataclass(frozen=True)
 class Point:
-    """One simulation of the study: a draw, how the robot was equipped, and the hash of the motion."""
+    """One simulation of the study: a draw, the robot's equipment, and the hash of the motion."""
 
     disturbed: Draw
     stabilizer: bool
@@ -46,17 +46,17 @@ class Point:
 
 @dataclass(frozen=True)
 class Outcome(Draw):
-    """What became of one simulation; a row of the table, after the values of its draw.
+    """The result of one simulation: a row of the table, after the values of its draw.
 
     Attributes:
-        stabilizer, actuators, sole: how the robot was equipped.
-        success: crossed to the end of the motion, upright, without touching the obstacle.
-        failure_time: of the fall, or of the first contact with the obstacle [s]; None where there is neither.
-        clearance: smallest distance from the obstacle where it really stood, until a fall [m].
-        clearance_link: which link came so near.
-        reason: what went wrong, in words.
-        robot, version, motion: what was carried out, by its hash.
-        state: hash of all states: two equal ones are the same simulation, to the bit.
+        stabilizer, actuators, sole: the robot's equipment.
+        success: whether the robot finished the motion upright, without touching the obstacle.
+        failure_time: time of the fall or of the first contact with the obstacle [s]; None without a failure.
+        clearance: smallest distance from the obstacle at its true place, until a fall [m].
+        clearance_link: the nearest link.
+        reason: the failure in words.
+        robot, version, motion: robot, version of stepover, and hash of the motion.
+        state: hash of all states. Equal hashes mean the same simulation, to the bit.
     """
 
     stabilizer: bool
@@ -88,7 +88,7 @@ def points(
 
 @dataclass(frozen=True)
 class Trial:
-    """Carries a motion out at a point, and gives the row: the work of run_study, which a process can be handed."""
+    """The work of run_study: simulates a motion at a point and returns the row. It is picklable."""
 
     motion: Motion
 
@@ -114,21 +114,21 @@ def study(
     motion: Motion | None = None, runs: int = RUNS, seed: int = SEED, *, actuators: str = ACTUATORS, sole: str = SOLE,
     robot: str | None = None, table: Path | None = None, build: Path | None = None, workers: int | None = None,
 ) -> Path:  # fmt: skip
-    """Run or resume a study, and write its table: that of the repository unless told otherwise.
+    """Run or resume a study and write its table; default: the stored table of the repository.
 
     Args:
-        motion: carried out; that of the paper's obstacle unless given.
-        runs: draws; each is simulated twice.
-        seed: of the draws.
+        motion: the motion; default: the plan for the paper's obstacle.
+        runs: number of draws. Each is simulated twice.
+        seed: seed of the draws.
         actuators: as for simulate.
         sole: as for simulate.
-        robot: its name, or the path of its robot.toml; the motion's unless given.
-        table: where it goes; figures/ unless given.
-        build: folder of the part file; build/ unless given.
-        workers: processes; one a core unless given.
+        robot: name of the robot, or the path of its robot.toml; default: the one named in the motion.
+        table: path of the table; default: in figures/.
+        build: folder of the part file; default: build/.
+        workers: number of processes; default: one for each core.
 
     Raises:
-        InvalidInput: the motion is for a robot that is not known here, or not for that robot.
+        InvalidInput: the motion's robot is unknown, or the motion is for another robot.
     """
     motion = motion or plan(robot_of(robot or "hrp2"), Obstacle(HEIGHT, WIDTH))
     robot = robot or motion.robot_name
@@ -140,19 +140,19 @@ def study(
 
 
 def read_table(path: Path | None = None) -> list[Outcome]:
-    """Rows of a table, of the stored one unless another is given.
+    """Rows of a table; default: the stored table.
 
     Raises:
-        InvalidInput: there is no such table, or it is not one of this study.
+        InvalidInput: there is no such table, or it belongs to another study.
     """
     return read_rows(Outcome, path or stored_table(NAME))
 
 
 def require_current(rows: Sequence[Outcome], motion: Motion) -> None:
-    """Refuse a table that was made from another motion, or drawn from other ranges.
+    """Reject a table that was made from another motion or from other ranges.
 
     Raises:
-        InvalidInput: which of the two; what makes a new one.
+        InvalidInput: the table differs. The message names the difference and the command that writes a new table.
     """
     advice = "'python -m stepover study' makes a new one, 'make studies' that of the repository"
     if not rows or {row.motion for row in rows} != {motion.hash()}:
@@ -164,12 +164,12 @@ def require_current(rows: Sequence[Outcome], motion: Motion) -> None:
 
 
 def again(stored: Sequence[Outcome], motion: Motion, workers: int | None = None) -> list[tuple[Outcome, str]]:
-    """Simulate rows of a table anew: the new rows, and how they agree with the old ones.
+    """Simulate rows of a table anew. Returns the new rows and how they agree with the old ones.
 
     Args:
         stored: rows of the table.
-        motion: what was carried out.
-        workers: processes; one a core unless given.
+        motion: the motion of the table.
+        workers: number of processes; default: one for each core.
     """
     of = [
         Point(draw(motion, row.seed, row.draw), row.stabilizer, row.actuators, row.sole, motion.robot, motion.hash())
@@ -181,7 +181,7 @@ def again(stored: Sequence[Outcome], motion: Motion, workers: int | None = None)
 
 
 def _agreement(now: Outcome, then: Outcome) -> str:
-    """In everything, or else in motion, outcome and the clearance where it crossed."""
+    """How two rows agree: in all values, or else in motion, outcome and, for a crossing, the clearance."""
     if (now.motion, now.success) != (then.motion, then.success):
         return NO
     same = replace(now, version=then.version) == then

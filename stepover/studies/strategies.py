@@ -1,7 +1,7 @@
-"""Both strategies over obstacles of rising height, planned and carried out in the physics. Sec. I, II-A.
+"""Study of both strategies over obstacles of increasing height, planned and simulated. Sec. I, II-A.
 
-The stored table, figures/strategies.csv, is made by `make studies`: quasi-statically at the default epsilon and, over
-15 cm, at others; and dynamically. The hash of each motion tells whether it is still planned so today.
+`make studies` writes the stored table, figures/strategies.csv: dynamic crossings, quasi-static crossings at the default
+epsilon, and at 15 cm also at other values. The hash of each motion shows whether today's planner still plans the same.
 """
 
 from __future__ import annotations
@@ -29,11 +29,11 @@ from stepover.studies.study import Row, make_table, read_rows, robot_of, rounded
 NAME = "strategies"
 HEIGHTS = tuple(round(0.05 + 0.01 * k, 2) for k in range(23))
 WIDTH, HEIGHT, EPSILON = 0.05, 0.15, 0.001
-"""Of the paper's obstacle, and the default of quasi_static_plan [m]."""
+"""Size of the paper's obstacle, and default epsilon of quasi_static_plan [m]."""
 EPSILONS = (0.0005, 0.002, 0.005, 0.01, 0.02)
-"""Others, for the paper's obstacle [m]."""
+"""Other values of epsilon for the paper's obstacle [m]."""
 QUICK = 0.02
-"""An epsilon with which the crossing takes 10 s, not 44 s: quick enough to be simulated anew [m]."""
+"""Epsilon with which the crossing takes 10 s instead of 44 s, short enough to repeat the simulation [m]."""
 
 
 @dataclass(frozen=True)
@@ -41,10 +41,10 @@ class Point:
     """One crossing of the study.
 
     Attributes:
-        height, width: of the bare obstacle [m].
-        epsilon: of the quasi-static strategy [m]; None: the dynamic strategy.
-        robot: its name.
-        physics: whether what plans is simulated.
+        height, width: size of the bare obstacle [m].
+        epsilon: epsilon of the quasi-static strategy [m]; None for the dynamic strategy.
+        robot: name of the robot.
+        physics: whether planned motions are simulated.
     """
 
     height: float
@@ -56,26 +56,26 @@ class Point:
 
 @dataclass(frozen=True)
 class Crossed:
-    """What became of one crossing; a row of the table. Values that do not exist are None.
+    """The result of one crossing: a row of the table. Missing values are None.
 
     Attributes:
-        robot, version: what planned.
+        robot, version: robot, and version of stepover.
         height, width, epsilon: as in Point [m].
-        margin_height, margin_width: that were asked for [m].
+        margin_height, margin_width: requested margins [m].
         planned: whether there is a plan.
-        margin: that it keeps [m].
+        margin: margin that the plan keeps [m].
         x_ads, z_hds: key configuration [m].
         duration, over, double_support: whole motion, lift-off of leg 1 to touch-down of leg 2, phase 2 [s].
         apart: largest distance of the ZMP from the CoM's projection, from lift-off to touch-down [m].
         planned_clearance: smallest distance from the bare obstacle [m].
-        not_with_margins: why it does not keep the margins that were asked for; empty where it does.
+        not_with_margins: why the plan does not keep the requested margins; empty if it does.
         motion: hash of the motion.
         crossed: whether the simulated robot crossed.
         simulated_clearance: smallest distance in the physics [m].
         zmp_rms: simulated ZMP against its plan [m].
         waist_error: largest distance of the waist from its planned place [m].
         knee_torque: largest torque of a knee in the physics, a mean over 5 ms [N m].
-        reason: the binding constraint where there is no plan; what went wrong where it did not cross.
+        reason: why there is no plan, or why the robot did not cross.
     """
 
     robot: str
@@ -105,13 +105,13 @@ class Crossed:
 
 
 def points() -> list[Point]:
-    """Points of the stored table: the longest motions first, so that the cores end together."""
+    """Points of the stored table. The longest motions come first, so that all cores finish at about the same time."""
     by_epsilon = [Point(HEIGHT, epsilon=epsilon) for epsilon in EPSILONS]
     return by_epsilon + [Point(height, epsilon=epsilon) for epsilon in (EPSILON, None) for height in HEIGHTS]
 
 
 def cross(point: Point) -> Row:
-    """Plan one crossing and, where that works, carry it out: a row for run_study."""
+    """Plan one crossing and, if there is a plan, simulate it: a row for run_study."""
     robot, obstacle = robot_of(point.robot), Obstacle(point.height, point.width)
     row = Crossed(robot.name, __version__, point.height, point.width, point.epsilon, obstacle.margin_height,
                   obstacle.margin_width, planned=True)  # fmt: skip
@@ -140,17 +140,17 @@ def cross(point: Point) -> Row:
 
 
 def study(path: Path | None = None, build: Path | None = None, workers: int | None = None) -> Path:
-    """Run or resume the study, and write its table: see make_table."""
+    """Run or resume the study and write its table; see make_table."""
     return make_table(NAME, points(), cross, Crossed, path, build, workers)
 
 
 def read_table(path: Path | None = None) -> list[Crossed]:
-    """Rows of a table, of the stored one unless another is given."""
+    """Rows of a table; default: the stored table."""
     return read_rows(Crossed, path or stored_table(NAME))
 
 
 def again(rows: Sequence[Crossed], point: Point) -> tuple[Crossed, str]:
-    """Plan, and carry out, a crossing anew: the row, and how it agrees with the stored one."""
+    """Plan and simulate a crossing anew. Returns the row and how it agrees with the stored one."""
     new = Crossed(**cross(point))
     for row in rows:
         if (row.robot, row.height, row.width, row.epsilon) == (new.robot, new.height, new.width, new.epsilon):
@@ -168,9 +168,9 @@ def over(rows: Sequence[Crossed], height: float, width: float) -> list[Crossed]:
 
 
 def speed_ups(rows: Sequence[Crossed]) -> dict[float, float]:
-    """How many times longer each quasi-static crossing of an obstacle takes than the dynamic one, by its epsilon [m].
+    """Duration of each quasi-static crossing of an obstacle over that of the dynamic one, by epsilon [m].
 
-    From the lift-off of leg 1 to the landing of leg 2; rows as over has them.
+    The duration is from the lift-off of leg 1 to the landing of leg 2. The rows are those of `over`.
     """
     dynamic = [row.over for row in rows if row.epsilon is None and row.over]
     return {row.epsilon: row.over / dynamic[0] for row in rows if row.epsilon and row.over and dynamic}
@@ -182,7 +182,7 @@ def by_height(rows: Sequence[Crossed], epsilon: float | None) -> list[Crossed]:
 
 
 def _plan(robot: Robot, obstacle: Obstacle, epsilon: float | None) -> tuple[Motion, str]:
-    """The motion of either strategy, and why it does not keep the margins."""
+    """The motion of one strategy, and why it does not keep the margins."""
     if epsilon is None:
         return plan_in_detail(robot, obstacle, look_for_nearest=False).motion, ""
     found = quasi_static_in_detail(robot, obstacle, epsilon, look_for_nearest=False)

@@ -1,9 +1,9 @@
-"""Long tables: many points, planned and simulated in parallel, resumable. `make studies` runs all of them.
+"""Studies: many points, planned and simulated in parallel. They can be resumed. `make studies` runs all of them.
 
-Each finished point is appended to a part file. The file's name carries a fingerprint of everything that the rows
-depend on: the code that computes them, and the robot. So a study that was interrupted or killed goes on where it
-stopped, and one whose code has changed begins anew. At the end the table is written whole and the part file removed.
-A row is a frozen dataclass of plain values.
+Each finished point is appended to a part file. The file's name contains a fingerprint of all that the rows depend on:
+the code that computes them, and the robot. So an interrupted study continues where it stopped, and a study whose code
+has changed begins anew. At the end the whole table is written and the part file removed. A row is a frozen dataclass
+of plain values.
 """
 
 from __future__ import annotations
@@ -39,20 +39,21 @@ def make_table(
 ) -> Path:  # fmt: skip
     """Run or resume a study, write its table, and remove the part file.
 
-    Where the part file's folder is not the table's, a stamp stays in it, so that a finished study is not run again.
+    If the part file and the table are in different folders, a stamp file stays beside the former. It prevents that a
+    finished study is run again.
 
     Args:
-        name: of the study.
-        points: each with the name of its robot.
+        name: name of the study.
+        points: the points, each with the name of its robot.
         work: see run_study.
         kind: dataclass of a row.
-        table: where it goes; figures/ unless given.
-        build: folder of the part file; build/ unless given.
-        workers: processes, or a Dask cluster, see run_study.
-        more: what else the rows depend on, beside the code and the robot.
+        table: path of the table; default: in figures/.
+        build: folder of the part file; default: build/.
+        workers: number of processes, or a Dask cluster; see run_study.
+        more: further values that the rows depend on, beside the code and the robot.
 
     Returns:
-        The table's path.
+        Path of the table.
     """
     table, build = table or stored_table(name), build or checkout() / "build"
     made_by = fingerprint(work, points[0].robot, *more)
@@ -69,18 +70,18 @@ def make_table(
 
 
 def _stamp(made_by: str, points: Sequence[Any], table: Path) -> str:
-    """What tells a finished table: the fingerprint, its points, and the table itself; digests of the two."""
+    """Text that identifies a finished table: the fingerprint, and digests of the points and of the table."""
     parts = repr(list(points)).encode(), table.read_bytes() if table.is_file() else b""
     return " ".join([made_by, *(hashlib.sha256(part).hexdigest() for part in parts)])
 
 
 def stored_table(name: str) -> Path:
-    """The table of a study in figures/."""
+    """Path of a study's table in figures/."""
     return checkout() / "figures" / f"{name}.csv"
 
 
 def write_rows(rows: Sequence[Any], path: Path) -> None:
-    """Write rows, all of one dataclass, as CSV, whole or not at all."""
+    """Write rows of one dataclass as CSV. The file appears only when it is complete."""
     text = io.StringIO()
     lines = csv.DictWriter(text, [field.name for field in dataclasses.fields(rows[0])], lineterminator="\n")
     lines.writeheader()
@@ -92,7 +93,7 @@ def read_rows(kind: type[Kind], path: Path) -> list[Kind]:
     """Rows of a table.
 
     Raises:
-        InvalidInput: there is no such table, or it is not one of this kind.
+        InvalidInput: there is no such table, or its rows are of another kind.
     """
     types = {field.name: str(field.type) for field in dataclasses.fields(kind)}  # type: ignore[arg-type]
     try:
@@ -107,29 +108,30 @@ def read_rows(kind: type[Kind], path: Path) -> list[Kind]:
 
 @lru_cache(maxsize=2)
 def robot_of(name: str) -> Robot:
-    """A robot, loaded once a process."""
+    """A robot, loaded once in each process."""
     return load_robot(name)
 
 
 def rounded(value: float, digits: int = 5) -> float:
-    """A number for a table: hundredths of a millimetre."""
+    """A length [m] for a table, rounded to hundredths of a millimetre."""
     return round(float(value), digits)
 
 
 def run_study(
     points: Sequence[Any], work: Work, part: Path, *, workers: int | str | None = None, name: str = "study"
 ) -> list[Row]:
-    """Rows of all points in their order; those that the part file already has are not computed again.
+    """Rows of all points in their order. Rows that are already in the part file are not computed again.
 
     Args:
-        points: what work takes, each with a repr of its own.
+        points: inputs of work, each with a different repr.
         work: a function at the top of a module, from a point to a row of plain values.
-        part: where finished rows are kept until the study is whole.
-        workers: processes, 1: this one; the address of a Dask scheduler; None: one process a core.
-        name: for the progress bar, which goes to stderr.
+        part: file that keeps finished rows until the study is complete.
+        workers: number of processes, where 1 means only this one; the address of a Dask scheduler; None: one process
+            for each core.
+        name: name in the progress bar, which goes to stderr.
 
     Raises:
-        InvalidInput: the part file is damaged, other than in a last line that was cut short.
+        InvalidInput: the part file is damaged. A last line that was cut short is allowed.
     """
     part.parent.mkdir(parents=True, exist_ok=True)
     done = _read_part(part)
@@ -149,7 +151,7 @@ def run_study(
 
 
 def _read_part(part: Path) -> dict[str, Row]:
-    """Rows of a part file by their points; a last line that was cut short is cut off."""
+    """Rows of a part file by their points. A last line that was cut short is removed from the file."""
     if not part.is_file():
         return {}
     content = part.read_bytes()
@@ -159,7 +161,7 @@ def _read_part(part: Path) -> dict[str, Row]:
     try:
         return dict(json.loads(line) for line in whole.splitlines())
     except (TypeError, ValueError) as error:
-        raise InvalidInput(f"{part} holds what is no row of a study; delete it to begin anew") from error
+        raise InvalidInput(f"{part} is damaged: a line is no row of a study; delete it to begin anew") from error
 
 
 def _value(kind: str, text: str) -> Any:

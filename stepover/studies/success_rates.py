@@ -1,4 +1,4 @@
-"""What a study of disturbances comes to: success rates with their Wilson intervals, and which disturbance matters."""
+"""Results of a study of disturbances: success rates with Wilson intervals, and the disturbances that matter."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from scipy.stats import binomtest, ks_2samp, spearmanr
 from stepover.studies.robustness import Outcome
 
 CONFIDENCE = 0.95
-"""Of the intervals."""
+"""Confidence level of the intervals."""
 EQUIPPED = {False: "without stabilizer", True: "with stabilizer"}
-"""How the robot was equipped, in the order of tables and figures."""
+"""The robot's equipment, in the order of tables and figures."""
 
 
 def _steps(row: Outcome) -> np.ndarray:
-    """How much higher (K,) each foothold is than the one before it, the first one than the start [mm]."""
+    """Height (K,) of each foothold above the one before it, or above the start for the first one [mm]."""
     return 1e3 * np.diff([0.0, *row.heights])
 
 
@@ -38,42 +38,42 @@ MEASURES: Mapping[str, Callable[[Outcome], float]] = {
     "time of the push [s]": lambda row: row.push_time,
     "latency, beside one period [ms]": lambda row: 1e3 * row.latency,
 }
-"""Each disturbance as a number of a draw, or as two where both its size and its direction may matter."""
+"""Each disturbance as one number of a draw, or as two if both its size and its direction may matter."""
 
 
 @dataclass(frozen=True)
 class Rate:
-    """So many successes of so many simulations."""
+    """A number of successes out of a number of simulations."""
 
     good: int
     of: int
 
     @property
     def share(self) -> float:
-        """Of the successes, 0 to 1."""
+        """Share of successes, 0 to 1."""
         return self.good / self.of
 
     @property
     def interval(self) -> tuple[float, float]:
-        """Wilson's interval of the share that would come out in the long run."""
+        """Wilson interval of the true success rate."""
         ends = binomtest(self.good, self.of).proportion_ci(CONFIDENCE, method="wilson")
         return float(ends.low), float(ends.high)
 
     def __str__(self) -> str:
-        """For people."""
+        """The rate and its interval as text."""
         low, high = self.interval
         return f"{self.good} of {self.of}, {1e2 * self.share:.1f} % ({1e2 * low:.1f} to {1e2 * high:.1f} %)"
 
 
 @dataclass(frozen=True)
 class Influence:
-    """How differently a disturbance is distributed where the robot failed and where it did not.
+    """How much the distribution of a disturbance differs between failures and successes.
 
     Attributes:
-        measure: which disturbance, of MEASURES.
+        measure: name of the disturbance in MEASURES.
         failed, succeeded: its medians.
-        distance: of Kolmogorov and Smirnov, between the two distributions, 0 to 1.
-        p: how likely so large a distance is, were the disturbance of no influence.
+        distance: Kolmogorov-Smirnov distance between the two distributions, 0 to 1.
+        p: probability of at least this distance if the disturbance had no influence.
     """
 
     measure: str
@@ -89,12 +89,12 @@ def equipped(rows: Sequence[Outcome], stabilizer: bool) -> list[Outcome]:
 
 
 def rate(rows: Sequence[Outcome]) -> Rate:
-    """How often it worked."""
+    """The success rate of some simulations."""
     return Rate(sum(row.success for row in rows), len(rows))
 
 
 def binned(rows: Sequence[Outcome], measure: str, edges: np.ndarray) -> list[tuple[float, Rate]]:
-    """Success rates between edges (n,) of a disturbance: its mean and the rate in each bin that is not empty."""
+    """Success rates in the bins between edges (n,) of a disturbance: its mean and the rate in each non-empty bin."""
     values = np.array([MEASURES[measure](row) for row in rows])
     bins = np.clip(np.searchsorted(edges, values, side="right"), 1, len(edges) - 1)
     return [
@@ -104,7 +104,7 @@ def binned(rows: Sequence[Outcome], measure: str, edges: np.ndarray) -> list[tup
 
 
 def influences(rows: Sequence[Outcome]) -> list[Influence]:
-    """All disturbances, the one that matters most first; none where every simulation ended alike."""
+    """All disturbances, the most important first; empty if all simulations ended alike."""
     good = np.array([row.success for row in rows], dtype=bool)
     if good.all() or not good.any():
         return []
@@ -118,9 +118,9 @@ def influences(rows: Sequence[Outcome]) -> list[Influence]:
 
 
 def nearness(rows: Sequence[Outcome]) -> list[tuple[str, float, float]]:
-    """How the clearance of the draws that crossed goes with each disturbance: Spearman's correlation and its p.
+    """Spearman's correlation of the clearance with each disturbance over the successful draws, and its p.
 
-    The disturbance that goes with it most comes first; none where fewer than three crossed.
+    The strongest correlation comes first. The result is empty if fewer than three draws crossed.
     """
     crossed = [row for row in rows if row.success]
     if len(crossed) < 3:
@@ -134,7 +134,7 @@ def nearness(rows: Sequence[Outcome]) -> list[tuple[str, float, float]]:
 
 
 def study_to_json(rows: Sequence[Outcome]) -> dict[str, Any]:
-    """What `study --json` prints."""
+    """The values that `study --json` prints."""
     first, result = rows[0], {}
     for stabilizer, name in ((False, "without_stabilizer"), (True, "with_stabilizer")):
         some = equipped(rows, stabilizer)
@@ -148,7 +148,7 @@ def study_to_json(rows: Sequence[Outcome]) -> dict[str, Any]:
 
 
 def study_summary(rows: Sequence[Outcome]) -> list[tuple[str, str]]:
-    """What `study` prints for people, as names and values."""
+    """The summary that `study` prints, as names and values."""
     first = rows[0]
     return [
         ("set-up", f"{first.actuators} actuators, {first.sole} soles"),

@@ -1,7 +1,7 @@
-"""Many obstacles, each planned and, where asked for, carried out in the physics: a row each.
+"""Sweep over many obstacles: each is planned and, on request, simulated. Each gives one row of a table.
 
-`python -m stepover sweep` makes a table of any obstacles; plane.py says which ones the stored table is about. How
-tables are interrupted and continued is said in studies.py, and where the work is done in parallel.py.
+`python -m stepover sweep` writes a table for any obstacles. obstacle_plane.py defines the obstacles of the stored
+table. study.py explains how a sweep is interrupted and continued, and parallel.py where the work is done.
 """
 
 from __future__ import annotations
@@ -28,9 +28,9 @@ class Point:
     """One obstacle of a sweep.
 
     Attributes:
-        height, width: of the bare obstacle [m].
-        robot: its name, or the path of its robot.toml.
-        physics: whether what plans is simulated.
+        height, width: size of the bare obstacle [m].
+        robot: name of the robot, or the path of its robot.toml.
+        physics: whether planned motions are simulated.
         margin_height, margin_width: safety margins [m].
         arms, speed_limits: as for plan.
     """
@@ -46,22 +46,22 @@ class Point:
 
     @property
     def obstacle(self) -> Obstacle:
-        """As the planner takes it; InvalidInput where it is none."""
+        """The obstacle for the planner. Raises InvalidInput for impossible sizes."""
         return Obstacle(self.height, self.width, self.margin_height, self.margin_width)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Crossing:
-    """What became of one obstacle; a row of the table. Values that do not exist are None.
+    """The result for one obstacle: a row of the table. Missing values are None.
 
     Attributes:
-        robot, version: what planned.
-        height, width, margin_height, margin_width: of the obstacle [m].
+        robot, version: robot, and version of stepover.
+        height, width, margin_height, margin_width: sizes of the obstacle [m].
         arms, speed_limits: as for plan.
         planned: whether there is a plan.
-        beyond_paper_level: how much of what is added beyond the paper it takes.
-        arm_swing_deg: UBMG [deg].
-        foot_back, waist_raised, ankle_pushed: FTA's methods (1), (2), (3) [m].
+        beyond_paper_level: level of the methods beyond the paper that the plan uses.
+        arm_swing_deg: swing of the arms by UBMG [deg].
+        foot_back, waist_raised, ankle_pushed: adaptation by FTA's methods (1), (2), (3) [m].
         x_ads, x_hds, z_hds: key configuration [m].
         planned_clearance: smallest distance from the bare obstacle [m].
         zmp_margin: smallest distance of the ZMP from the edge of the support polygon [m].
@@ -69,7 +69,7 @@ class Crossing:
         motion: hash of the motion.
         crossed: whether the simulated robot crossed.
         simulated_clearance: smallest distance in the physics [m].
-        reason: the binding constraint where there is no plan; what went wrong where it did not cross.
+        reason: why there is no plan, or why the robot did not cross.
     """
 
     robot: str
@@ -99,7 +99,7 @@ class Crossing:
 
 
 def cross(point: Point) -> Row:
-    """Plan one obstacle and, where that works, carry it out: a row for run_study."""
+    """Plan for one obstacle and, if there is a plan, simulate it: a row for run_study."""
     robot = robot_of(point.robot)
     row = Crossing(
         robot=robot.name, version=__version__, height=point.height, width=point.width,
@@ -114,7 +114,7 @@ def cross(point: Point) -> Row:
         return dataclasses.asdict(dataclasses.replace(row, reason=error.constraint))
     row = _planned(row, point, found)
     if point.physics:
-        from stepover.simulation.run import simulate  # here: plans alone need no PyBullet
+        from stepover.simulation.run import simulate  # imported here, since planning alone needs no PyBullet
 
         run = simulate(found.motion, robot=robot)
         row = dataclasses.replace(
@@ -124,7 +124,7 @@ def cross(point: Point) -> Row:
 
 
 def _planned(row: Crossing, point: Point, found: Plan) -> Crossing:
-    """A row with what was planned."""
+    """A row with the values of the plan."""
     measured, feet = measure(robot_of(point.robot), found.motion), found.adaptation
     return dataclasses.replace(
         row, planned=True, beyond_paper_level=found.options.level,
@@ -137,18 +137,18 @@ def _planned(row: Crossing, point: Point, found: Plan) -> Crossing:
 
 
 def sweep(points: Sequence[Point], table: Path, workers: int | str | None = None) -> list[Crossing]:
-    """Run or resume a sweep, and write its table, whose part file lies beside it.
+    """Run or resume a sweep and write its table. The part file lies beside the table.
 
     Args:
         points: obstacles, all for one robot.
-        table: where it goes.
-        workers: processes, or the address of a Dask scheduler: see parallel.computed.
+        table: path of the table.
+        workers: number of processes, or the address of a Dask scheduler; see parallel.computed.
 
     Returns:
         The rows of the table.
 
     Raises:
-        InvalidInput: what is no obstacle, an unknown robot, or a cluster that cannot do the work.
+        InvalidInput: an impossible obstacle, an unknown robot, or a cluster that cannot do the work.
     """
     robot_of(points[0].robot)
     for point in points:
@@ -158,7 +158,7 @@ def sweep(points: Sequence[Point], table: Path, workers: int | str | None = None
 
 
 def summary(rows: Sequence[Crossing]) -> dict[str, Any]:
-    """What `sweep --json` prints, in SI units; None where nothing was planned, or simulated."""
+    """The values that `sweep --json` prints, in SI units; None if nothing was planned or simulated."""
     planned, simulated = [row for row in rows if row.planned], [row for row in rows if row.crossed is not None]
     first = rows[0]
     return {
@@ -175,12 +175,12 @@ def summary(rows: Sequence[Crossing]) -> dict[str, Any]:
 
 
 def _smallest(values: Iterable[float | None]) -> float | None:
-    """The smallest of some values; None of none."""
+    """The smallest of some values; None if there are none."""
     return min((value for value in values if value is not None), default=None)
 
 
 def summary_lines(result: dict[str, Any]) -> list[tuple[str, str]]:
-    """The same for people, as names and values."""
+    """The same summary as names and values, for printing."""
     lines = [
         ("robot", result["robot"]),
         ("margins", f"{result['margin_height']:.3f} m above, {result['margin_width']:.3f} m before and behind"),

@@ -1,7 +1,7 @@
-"""What the crossing meets outside of the ideal simulation: one disturbance at a time, and how high with real servos.
+"""Trials outside the ideal simulation: one disturbance at a time, and increasing heights with limited servos.
 
-Sec. V: the experiments had servos, rubber under the feet and a stabilizer, and ended at 15 cm. The stored table,
-figures/trials.csv, is made by `make studies`; the hash of each motion tells whether it is still planned so today.
+Sec. V: the experiments had servos, rubber under the feet and a stabilizer, and reached 15 cm. `make studies` writes the
+stored table, figures/trials.csv. The hash of each motion shows whether today's planner still plans the same motion.
 """
 
 from __future__ import annotations
@@ -25,12 +25,12 @@ from stepover.studies.study import Row, make_table, read_rows, robot_of, rounded
 
 NAME = "trials"
 HEIGHT, WIDTH = 0.15, 0.05
-"""Of the paper's obstacle [m]."""
+"""Size of the paper's obstacle [m]."""
 HEIGHTS = tuple(round(0.15 + 0.01 * k, 2) for k in range(11))
-"""Of the obstacles for which the limit of the servos is looked for [m]."""
+"""Heights of the obstacles in the search for the limit of the servos [m]."""
 UNDISTURBED = "as planned"
 PUSHES = {"normal walking": 2.0, "phase 3": 6.0}
-"""When it is pushed [s]."""
+"""Start times of the pushes [s]."""
 DISTURBED: Mapping[str, Mapping[str, float]] = MappingProxyType(
     {
         UNDISTURBED: {},
@@ -53,7 +53,7 @@ DISTURBED: Mapping[str, Mapping[str, float]] = MappingProxyType(
         "5 ms more latency": {"latency": 0.005},
     }
 )  # fmt: skip
-"""The disturbances, one at a time, by what they are called."""
+"""The disturbances of the trials, by name."""
 
 
 @dataclass(frozen=True)
@@ -61,11 +61,11 @@ class Trial:
     """One simulation with servos of limited torque and speed.
 
     Attributes:
-        name: of what is disturbed, a key of DISTURBED.
-        height, width: of the bare obstacle that is planned for [m].
+        name: name of the disturbance, a key of DISTURBED.
+        height, width: size of the bare obstacle in the plan [m].
         sole, stabilizer: as for simulate.
         speed_limits: as for plan.
-        robot: its name.
+        robot: name of the robot.
     """
 
     name: str
@@ -78,27 +78,27 @@ class Trial:
 
     @property
     def perturb(self) -> dict[str, float]:
-        """Disturbances, as simulate takes them."""
+        """The disturbances as simulate takes them."""
         return dict(DISTURBED[self.name])
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of one trial; a row of the table. Values that do not exist are None.
+    """The result of one trial: a row of the table. Missing values are None.
 
     Attributes:
-        robot, version: what planned.
+        robot, version: robot, and version of stepover.
         name, height, width, sole, stabilizer, speed_limits: as in Trial.
-        perturb: disturbances, as JSON.
-        motion: hash of the motion; None where there is no plan.
+        perturb: disturbances as JSON.
+        motion: hash of the motion; None without a plan.
         crossed: whether the simulated robot crossed.
-        clearance: smallest distance from the obstacle, where it really stands [m].
-        zmp_rms_x, zmp_rms_y: ZMP against its plan [m].
+        clearance: smallest distance from the obstacle at its true place [m].
+        zmp_rms_x, zmp_rms_y: deviation of the ZMP from its plan, rms [m].
         waist_error: largest distance of the waist from its planned place [m].
-        torque_ratio, torque_joint, torque_time: largest torque over its limit, a mean over 5 ms; whose; when it is
-            first within 1 % of it [s].
-        speed_ratio, speed_joint, speed_time: the same of the speeds.
-        reason: why there is no plan, or what went wrong.
+        torque_ratio, torque_joint, torque_time: largest torque (mean over 5 ms) over its limit, and its joint. If a
+            torque reaches its limit to 1 %: the joint that does so first, and when [s].
+        speed_ratio, speed_joint, speed_time: the same for the speeds.
+        reason: why there is no plan, or why the robot did not cross.
         state: hash of all recorded states.
     """
 
@@ -141,7 +141,7 @@ def trials() -> list[Trial]:
 
 
 def carry_out(trial: Trial) -> Row:
-    """Plan and simulate: a row for run_study."""
+    """Plan and simulate one trial: a row for run_study."""
     robot = robot_of(trial.robot)
     row = Outcome(
         robot.name, __version__, trial.name, trial.height, trial.width, trial.sole, trial.stabilizer,
@@ -160,7 +160,7 @@ def carry_out(trial: Trial) -> Row:
 
 
 def judged(row: Outcome, run: Run) -> Outcome:
-    """A row with what a run came to."""
+    """A row with the results of a run."""
     body, series = robot_of(row.robot).body, run.series
     end = len(series.time) if run.fall_time is None else int(np.searchsorted(series.time, run.fall_time)) + 1
     torque = _first(np.abs(series.torque[:end]) / body.effort_limits, series.time, body.joint_names)
@@ -174,7 +174,7 @@ def judged(row: Outcome, run: Run) -> Outcome:
 
 
 def _first(ratios: np.ndarray, time: np.ndarray, names: list[str]) -> tuple[float, str, float | None]:
-    """Largest ratio (M, joints) and its joint; or the joint that first comes to its limit, and when."""
+    """Largest ratio (M, joints), and its joint. If a limit is reached: the joint that does so first, and when."""
     sample, joint = np.unravel_index(ratios.argmax(), ratios.shape)
     at_limit = np.argwhere(ratios >= 0.99)
     if len(at_limit):
@@ -184,10 +184,10 @@ def _first(ratios: np.ndarray, time: np.ndarray, names: list[str]) -> tuple[floa
 
 
 def study(path: Path | None = None, build: Path | None = None, workers: int | None = None) -> Path:
-    """Run or resume the study, and write its table: see make_table."""
+    """Run or resume the study and write its table; see make_table."""
     return make_table(NAME, trials(), carry_out, Outcome, path, build, workers)
 
 
 def read_table(path: Path | None = None) -> list[Outcome]:
-    """Rows of a table, of the stored one unless another is given."""
+    """Rows of a table; default: the stored table."""
     return read_rows(Outcome, path or stored_table(NAME))

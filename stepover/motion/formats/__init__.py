@@ -1,6 +1,6 @@
-"""File formats of a motion, one module each; the module's name is the format's, with "_" where the format has "-".
+"""File formats of a motion, one module each. The module has the name of the format, with "_" instead of "-".
 
-A format is a module in this folder with a function `export(motion, path)`. Nothing else has to be told about it.
+A format is a module in this folder with a function `export(motion, path)`. No other file needs to know it.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ def find(name: str) -> ModuleType:
     """The module of a format.
 
     Raises:
-        InvalidInput: there is no such format; the message lists the known ones.
+        InvalidInput: there is no such format. The message lists the known formats.
     """
     if name not in known():
         raise InvalidInput(f"unknown format {name!r}: known are {', '.join(known())}")

@@ -1,4 +1,4 @@
-"""The format csv: time, waist, CoM, ZMPs, feet and joints as a table, one sample a row, in SI units."""
+"""The format csv: a table of time, waist, CoM, ZMPs, feet and joints, with one row for each sample, in SI units."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from stepover.output import write_whole
 
 AXES = ("x", "y", "z", "qx", "qy", "qz", "qw")
 PARTS = (("waist", 7), ("com", 3), ("zmp_reference", 2), ("zmp", 2), ("left_foot", 7), ("right_foot", 7))
-"""What stands between time and joints, with its number of columns."""
+"""The values between time and joints, each with its number of columns."""
 
 
 def export(motion: Motion, path: Path) -> None:
@@ -34,7 +34,7 @@ def export(motion: Motion, path: Path) -> None:
 
 
 class _Text:
-    """A binary file as csv wants it."""
+    """A binary file that the csv module can write text to."""
 
     def __init__(self, file: Any) -> None:
         self.write = lambda text: file.write(text.encode())

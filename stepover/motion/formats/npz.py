@@ -1,7 +1,8 @@
-"""The format npz: the motion itself, whole, without pickle, readable with numpy alone.
+"""The format npz: the complete motion, without pickle. Numpy alone can read it.
 
-Format 2 adds `obstacles`, `robot_fingerprint` and `planner` to format 1, and leaves out `zmp_first_stage` and
-`key_configuration` where the planner has none. `obstacle` stays for readers of format 1. Files of format 1 load.
+Format 2 adds `obstacles`, `robot_fingerprint` and `planner` to format 1. It leaves out `zmp_first_stage` and
+`key_configuration` if the planner does not give them. It keeps `obstacle` for readers of format 1. Files of format 1
+still load.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from stepover.motion.motion import Motion
 from stepover.output import write_whole
 
 FORMAT = 2
-"""The format that is written; older ones are read."""
+"""The format of written files. Older formats are still read."""
 SHAPES: dict[str, tuple[str | int, ...]] = {
     "time": ("N",), "q": ("N", "Q"), "joint_names": ("J",), "left_foot": ("N", 7), "right_foot": ("N", 7),
     "waist": ("N", 7), "com": ("N", 3), "zmp_reference": ("N", 2), "zmp_first_stage": ("N", 2), "zmp": ("N", 2),
@@ -73,13 +74,13 @@ def load(path: Path) -> Motion:
     except Exception as error:  # whatever numpy, zip and zlib make of arbitrary bytes
         raise CorruptMotion(f"{path} is not a whole motion file ({type(error).__name__}); plan it anew") from error
     values: dict[str, Any] = {key: str(value) if value.ndim == 0 else value for key, value in arrays.items()}
-    for key in ("obstacle", "format"):  # said by obstacles; a matter of the file
+    for key in ("obstacle", "format"):  # obstacles contains the first; the second only concerns the file
         del values[key]
     return Motion(**(values | {"footsteps": Footsteps.from_rows(arrays["footsteps"])}))
 
 
 def _as_format_2(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """The arrays of a file of format 1 or 2 as those of format 2."""
+    """The arrays of a file of format 1 or 2, converted to format 2."""
     if "format" not in arrays:
         raise CorruptMotion("lacks format")
     number = arrays["format"]
@@ -97,7 +98,7 @@ def _as_format_2(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
 
 
 def _check(arrays: dict[str, np.ndarray]) -> None:
-    """Refuse what has a wrong shape or type, a value that is not finite, or contradicts itself."""
+    """Reject arrays with a wrong shape or type, or with values that are not finite or contradict each other."""
     sizes: dict[str, int] = {}
     for key, array in arrays.items():
         _require_shape(key, array, sizes)
@@ -118,7 +119,7 @@ def _check(arrays: dict[str, np.ndarray]) -> None:
 
 
 def _require_shape(key: str, array: np.ndarray, sizes: dict[str, int]) -> None:
-    """Refuse an array of the wrong shape or type, or with values that are not finite; sizes gathers N, Q, J, K, M."""
+    """Reject an array of the wrong shape or type, or with values that are not finite. Stores N, Q, J, K, M in sizes."""
     shape, actual = SHAPES[key], array.shape
     bound = [sizes.setdefault(n, size) if isinstance(n, str) else n for n, size in zip(shape, actual, strict=False)]
     if len(actual) != len(shape) or tuple(bound) != actual:

@@ -1,4 +1,4 @@
-"""Every figure: a function from values to a matplotlib figure, all in one style. Only here is pyplot imported."""
+"""All figures, in one style. Each is a function from values to a matplotlib figure. Only this room imports pyplot."""
 
 from stepover.report.figures.adapted import arms_and_lead_knee, before_and_after, stick_diagram
 from stepover.report.figures.blocks import block_diagram

@@ -1,4 +1,4 @@
-"""The crossing before and after its adaptation: Figs. 5 and 7, and what brings the waist ahead of the lead knee."""
+"""The crossing before and after its adaptation: Figs. 5 and 7, and the units that move the waist over the lead knee."""
 
 from __future__ import annotations
 
@@ -30,12 +30,12 @@ from stepover.report.figures.style import (
 STICK_EVERY = 0.1
 """Time between two sticks of Fig. 5 [s]."""
 BEFORE = (0.0, (1.0, 1.0))
-"""Line style of what was there before an adaptation."""
+"""Line style for curves before an adaptation."""
 
 
 @styled
 def stick_diagram(robot: Robot, obstacle: Obstacle, before: Stage, after: Stage) -> Figure:
-    """Fig. 5: the rear leg L1 ... L7 over phase 3, before and after FTA; what lies inside the margins is marked."""
+    """Fig. 5: the rear leg L1 ... L7 over phase 3, before and after FTA. Parts inside the margins are marked."""
     figure, axes = panels(1, 3.05, columns=2, sharey=True)
     for axis, stage in zip(axes[0], (before, after), strict=True):
         found = _sticks(axis, robot, obstacle, stage)
@@ -52,13 +52,13 @@ def stick_diagram(robot: Robot, obstacle: Obstacle, before: Stage, after: Stage)
 
 @styled
 def before_and_after(planned: Plan, plain: Stage, before: Stage, after: Stage) -> Figure:
-    """Fig. 7: waist along the way before and after, with ZMP and CoM; the feet and the waist's height likewise.
+    """Fig. 7: waist along the path before and after adaptation, with ZMP and CoM; also the feet and the waist's height.
 
     Args:
         planned: the finished plan.
         plain: the waist before any adaptation.
-        before: what FTA was given.
-        after: what it made of it.
+        before: input of FTA.
+        after: output of FTA.
     """
     motion, time = planned.motion, planned.motion.time
     first, second = (planned.sequence.step(kind) for kind in (LEG_1, LEG_2))
@@ -103,7 +103,7 @@ def before_and_after(planned: Plan, plain: Stage, before: Stage, after: Stage) -
 
 @styled
 def arms_and_lead_knee(robot: Robot, planned: Plan, stages: list[Stage]) -> Figure:
-    """UBMG: p_ref2 of the arms with both its signs and the waist's answer; the waist and the lead knee by stages."""
+    """UBMG: p_ref2 of the arms, positive and negative, and the waist's response; waist and lead knee by stage."""
     motion, upper = planned.motion, planned.nominal.upper
     first, second = (planned.sequence.step(kind) for kind in (LEG_1, LEG_2))
     figure, axes = panels(2, 4.8, columns=2)
@@ -140,8 +140,8 @@ def arms_and_lead_knee(robot: Robot, planned: Plan, stages: list[Stage]) -> Figu
         shade_phases(axis, motion)
     for axis in (answer, ahead):
         axis.set_xlabel("time [s]")
-    titles = ["$p^{ref_2}$ of the arms", "lead knee before it lands", "answer of the filter to it",
-              "waist, beside the one before adaptation"]  # fmt: skip
+    titles = ["$p^{ref_2}$ of the arms", "lead knee before it lands", "response of the filter",
+              "waist relative to that before adaptation"]  # fmt: skip
     numbered(axes, titles)
     perturbation.legend(loc="upper left")
     lines, names = knee.get_legend_handles_labels()
@@ -150,7 +150,7 @@ def arms_and_lead_knee(robot: Robot, planned: Plan, stages: list[Stage]) -> Figu
 
 
 def _sticks(axis: Axes, robot: Robot, obstacle: Obstacle, stage: Stage) -> str:
-    """Sticks of the rear leg over phase 3, and in bold the deepest one; says how deep it goes, or that it is free."""
+    """Draw sticks of the rear leg over phase 3, the deepest in bold. Returns a title that states the depth."""
     step = stage.sequence.step(LEG_2)
     q, missing = postures(robot, stage, slice(step.lift_off, step.touch_down + 1))
     placed = robot.body.placements(q)
@@ -169,7 +169,7 @@ def _sticks(axis: Axes, robot: Robot, obstacle: Obstacle, stage: Stage) -> str:
             _mark_inside(axis, line[k], rectangle, 1.6)
     for line in lines if labelled else ():
         axis.plot(*line[deepest].T, color=colour, lw=2.6, zorder=4,
-                  label="at the deepest" if line is lines[0] else None)  # fmt: skip
+                  label="deepest posture" if line is lines[0] else None)  # fmt: skip
         _mark_inside(axis, line[deepest], rectangle, 2.6, "inside the margins" if line is lines[0] else None)
     if missing.max() > 0.0:
         return f"{1e3 * missing.max():.0f} mm out of reach"
@@ -178,7 +178,7 @@ def _sticks(axis: Axes, robot: Robot, obstacle: Obstacle, stage: Stage) -> str:
 
 
 def _mark_inside(axis: Axes, line: np.ndarray, rectangle: np.ndarray, width: float, label: str | None = None) -> None:
-    """Draw over what of a line (P, 2) lies inside a rectangle."""
+    """Mark the part of a line (P, 2) that lies inside a rectangle."""
     inside = np.where(_depth(line, rectangle)[:, None] > 0.0, line, np.nan)
     axis.plot(*inside.T, color=SIMULATED, lw=width, zorder=5, label=label)
 
@@ -199,7 +199,7 @@ def _outline(robot: Robot, placed: Placements, side: int, points: int = 60) -> l
 
 
 def _depth(points: np.ndarray, rectangle: np.ndarray) -> np.ndarray:
-    """How deep points (N, P, 2) lie inside a rectangle: (N, P) [m], the shortest way out, 0 outside."""
+    """Depth of points (N, P, 2) inside a rectangle: (N, P) [m], the shortest distance to its edge, 0 outside."""
     x_min, x_max, _, top = rectangle
     x, z = points[..., 0], points[..., 1]
     return np.asarray(np.maximum(np.minimum(np.minimum(x - x_min, x_max - x), top - z), 0.0))

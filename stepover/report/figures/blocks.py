@@ -1,4 +1,4 @@
-"""Fig. 4: the units in the order in which the planner calls them, and what flows between them."""
+"""Fig. 4: the units in the order in which the planner calls them, and the values that flow between them."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ SYMBOLS = {
     ("FTA", "feet"): (r"$L(t), R(t)$",), ("FTA", "left"): (r"$L(t), R(t)$",), ("FTA", "right"): (r"$L(t), R(t)$",),
     ("FTA", "raised"): (r"$W(t)$",),
 }  # fmt: skip
-"""The paper's symbols for what flows; what has none is shown under its name in the planner."""
+"""The paper's symbols for the values. A value without a symbol appears under its name in the planner."""
 ROW, HALF, LEADING = 0.76, (0.475, 0.31), 0.0165
-"""Height of a row over the width of a column, half a block in such widths, and a line's height over its size [1/pt]."""
+"""Row height over column width; half a block in columns, wide and high; line height over font size [1/pt]."""
 
 BOLD, CODE = {"weight": "bold"}, {"family": "DejaVu Sans"}
 Line = tuple[str, float, dict[str, Any]]
@@ -36,7 +36,7 @@ Line = tuple[str, float, dict[str, Any]]
 
 @styled
 def block_diagram(diagram: Diagram) -> Figure:
-    """Blocks down the diagonal; what one hands to another lies in its own row and in the other's column."""
+    """Blocks down the diagonal. A value lies in the row of the block that makes it and the column of its user."""
     columns = [block.name for block in diagram.blocks] + [OUTPUT]
     count = len(columns)
     figure, axes = panels(1, 7.16 * ROW * (count + 0.66) / count)
@@ -48,19 +48,19 @@ def block_diagram(diagram: Diagram) -> Figure:
         _flow(axis, places[maker], places[taker], _label(maker, names))
     for k, block in enumerate(diagram.blocks):
         _block(axis, k, "#EAF1F7", _lines(block))
-    _block(axis, count - 1, "white", [(OUTPUT, 9.5, BOLD), ("judged, then", 7.0, {}), ("given out", 7.0, {})])
+    _block(axis, count - 1, "white", [(OUTPUT, 9.5, BOLD), ("checked, then", 7.0, {}), ("returned", 7.0, {})])
     axis.text(3.5, 1.06 * ROW, "the obstacle and its safety margins", ha="center", va="bottom", fontsize=7.5,
               color=SIMULATED)  # fmt: skip
     for k, (colour, text) in enumerate((
-        (OBSTACLE, "→ ↓  handed on"),
-        (PLANNED, "← ↑  handed back, until after a pass of the filter FTA has nothing left to adapt"),
+        (OBSTACLE, "→ ↓  passed on"),
+        (PLANNED, "← ↑  passed back, repeated until FTA has nothing left to adapt after the filter"),
     )):  # fmt: skip
         axis.text(-0.47, -ROW * (count - 1.3 + 0.28 * k), text, ha="left", va="center", fontsize=7.5, color=colour)
     return figure
 
 
 def _flow(axis: Axes, maker: int, taker: int, label: str) -> None:
-    """A line out of the maker's row into the taker's column, with what flows where they meet."""
+    """A line from the maker's row to the taker's column, with a label where row and column meet."""
     back = taker < maker
     colour = SIMULATED if maker < 0 else PLANNED if back else OBSTACLE
     x, y, end = taker, -ROW * maker, -ROW * taker + (-1 if back else 1) * HALF[1]
@@ -73,7 +73,7 @@ def _flow(axis: Axes, maker: int, taker: int, label: str) -> None:
 
 
 def _label(maker: str, names: tuple[str, ...]) -> str:
-    """What flows, in the paper's symbols, each once."""
+    """The values in the paper's symbols, each once."""
     symbols = [symbol for name in names for symbol in SYMBOLS.get((maker, name), (name,))]
     return "\n".join(sorted(set(symbols), key=lambda symbol: (symbol == STEPS, symbols.index(symbol))))
 
@@ -91,7 +91,7 @@ def _block(axis: Axes, place: int, colour: str, lines: list[Line]) -> None:
 
 
 def _lines(block: Block) -> list[Line]:
-    """Number and abbreviation, what that stands for, and the functions that do it."""
+    """Number and abbreviation of a unit, its full name, and its functions."""
     meaning = textwrap.wrap(block.meaning, 21)
     return [
         (f"{block.step}: {block.name}", 9.5, BOLD),

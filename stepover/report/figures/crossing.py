@@ -1,4 +1,4 @@
-"""The whole crossing in one picture: the robot from the side, the ZMP, the clearance; or why there is none."""
+"""The whole crossing in one picture: the robot from the side, the ZMP and the clearance; or why there is no plan."""
 
 from __future__ import annotations
 
@@ -32,18 +32,18 @@ from stepover.report.figures.style import (
 )
 
 HEIGHT = 4.1
-"""Of either picture [in]."""
+"""Height of a picture [in]."""
 WAY, TALL = 1.3, 2.15
-"""What the side view shows, to either side of the obstacle and above the floor, over the height of the waist."""
+"""Extent of the side view to either side of the obstacle and above the floor, over the height of the waist."""
 AROUND = 0.9
-"""What is shown over time before leg 1 lifts off and after leg 2 has landed [s]."""
+"""Time shown before leg 1 lifts off and after leg 2 lands [s]."""
 FAINT = 0.4
-"""How much of their colour the postures in single support keep."""
+"""Opacity of the postures in single support."""
 
 
 @styled
 def crossing(robot: Robot, planned: Plan) -> Figure:
-    """A plan: three postures and the ways of the soles; ZMP and CoM along the way; distance of the nearest link."""
+    """A plan: three postures and the paths of the soles; ZMP and CoM along the path; distance of the nearest link."""
     motion, found = planned.motion, measure(robot, planned.motion)
     figure, axes = panels(2, HEIGHT, columns=2, width_ratios=[1.25, 1.0])
     zmp, free = axes[:, 1]
@@ -101,7 +101,7 @@ def _size(height: float, width: float) -> str:
 
 
 def _numbers(robot: Robot, planned: Plan, found: Measures) -> str:
-    """What a plan comes to, for a title; an adaptation is named where there is one."""
+    """Numbers of a plan for a title. It names adaptations only if there are any."""
     lowered = robot.posture.waist_height - planned.motion.waist[:, 2].min()
     arms, back = np.degrees(planned.nominal.upper.arm_swing), planned.adaptation.shift
     done = {
@@ -117,7 +117,7 @@ def _numbers(robot: Robot, planned: Plan, found: Measures) -> str:
 
 
 def _moments(planned: Plan) -> list[int]:
-    """Samples: leg 1 above the obstacle's middle, the double support, leg 2 above its middle."""
+    """Three samples: leg 1 above the obstacle's middle, the double support, leg 2 above the middle."""
     motion, steps = planned.motion, [planned.sequence.step(kind) for kind in (LEG_1, LEG_2)]
     middle = motion.obstacle[0] + motion.obstacle[1] / 2.0
     above = []
@@ -128,7 +128,7 @@ def _moments(planned: Plan) -> list[int]:
 
 
 def _side_view(side: Axes, robot: Robot) -> Axes:
-    """The floor around the obstacle, with room for the robot, in one scale along both axes."""
+    """Axes for the floor around the obstacle and the robot above it, with one scale for both directions."""
     way, tall = (share * robot.posture.waist_height for share in (WAY, TALL))
     side.axhline(0.0, color=REFERENCE, lw=1.0)
     side.set(xlabel="x from the obstacle's front face [m]", ylabel="z [m]", xlim=(-way, way), ylim=(-0.03, tall))
@@ -138,7 +138,7 @@ def _side_view(side: Axes, robot: Robot) -> Axes:
 
 
 def _posture(axis: Axes, robot: Robot, q: np.ndarray, share: float = 1.0) -> None:
-    """A configuration (nq,) as sticks from the side, from joint to joint, in a share of their colours."""
+    """Draw a configuration (nq,) from the side as sticks from joint to joint, with an opacity."""
     placed, body = robot.body.placements(q[None]), robot.body
     places, legs = placed.positions[0][:, [0, 2]], {*robot.legs.left, *robot.legs.right}
     left, right = (leg_links(robot, placed, side, 0) for side in (1, -1))

@@ -33,7 +33,7 @@ from stepover.report.figures.style import (
 )
 
 FEASIBLE, INFEASIBLE = SIMULATED, RIGHT
-"""The paper's red and blue, in shades that differ in lightness too."""
+"""The paper's red and blue, in shades that also differ in lightness."""
 NAMES = {
     6: "Eq. (6), end of phase 1",
     7: "Eq. (7), throughout phase 2",
@@ -47,7 +47,7 @@ SHADES = ("#D6E6F4", "#ABCFE5", "#6AAED6", "#3787C0", "#105BA4", "#08306B")
 
 @styled
 def feasibility_domains(robot: Robot, obstacle: Obstacle, domains: Domains, key: KeyConfiguration) -> Figure:
-    """Fig. 2: the planar biped, the domains under (6), (7) and (8), and that of Eq. (22) with a key configuration."""
+    """Fig. 2: the planar biped, the domains under (6), (7) and (8), and that under (22) with a key configuration."""
     figure, axes = panels(2, 4.9, columns=3)
     _draw_biped(axes[0, 0], robot, obstacle, key)
     for axis, equation in zip(axes.ravel()[1:5], NAMES, strict=True):
@@ -71,7 +71,7 @@ def feasibility_domains(robot: Robot, obstacle: Obstacle, domains: Domains, key:
 
 @styled
 def domains_overlaid(domains: Domains, title: str) -> Figure:
-    """The edges of the four domains in one plane, for a slider to turn."""
+    """The edges of the four domains in one plane, for use with a slider."""
     figure, axes = panels(1, 3.4)
     _overlay(axes[0, 0], domains)
     axes[0, 0].legend(handles=_edges(NAMES), loc="upper right")
@@ -81,7 +81,7 @@ def domains_overlaid(domains: Domains, title: str) -> Figure:
 
 @styled
 def areas_by_height(heights: np.ndarray, swept: Mapping[str, Sequence[Domains]]) -> Figure:
-    """Areas of the domains over the obstacle's height (H,) [m], in a panel for each name."""
+    """Areas of the domains over the obstacle's height (H,) [m], with a panel for each name."""
     figure, axes = panels(1, 2.7, columns=len(swept), sharey=True)
     for axis, line in zip(axes[0], swept.values(), strict=True):
         for equation, name in NAMES.items():
@@ -106,11 +106,11 @@ def key_domains(
     """FU's domain in 3-D by the obstacle's height, at two yaws, and the highest obstacle by its width.
 
     Args:
-        robot: for the limits of FU's own search.
-        grids: one for each yaw.
-        domains: for each grid masks by height of the obstacle [m], ascending.
-        widths: (W,) of the bare obstacle [m].
-        frontiers: (W,) heights [m] by name, in pairs that share a colour; the second of each is dashed.
+        robot: gives the limits of FU's own search.
+        grids: one grid for each yaw.
+        domains: for each grid, masks by height of the obstacle [m], ascending.
+        widths: (W,) widths of the bare obstacle [m].
+        frontiers: (W,) heights [m] by name, in pairs with the same colour. The second of each pair is dashed.
     """
     figure, axes = panels(1, 3.3, columns=3)
     longest, lowest = robot.feasibility.step_length_max, robot.feasibility.waist_height_min
@@ -139,7 +139,7 @@ def key_domains(
             axes[0, 2].plot(1e2 * widths[last], 1e2 * possible[last], color=colour, marker="x", ms=5.0, ls="")
             ended = True
     if ended:
-        axes[0, 2].plot([], [], color=REFERENCE, marker="x", ms=5.0, ls="", label="none is wider")
+        axes[0, 2].plot([], [], color=REFERENCE, marker="x", ms=5.0, ls="", label="widest feasible")
     axes[0, 2].set(xlabel="width of the bare obstacle [cm]", ylabel="highest obstacle [cm]")
     axes[0, 2].set(xlim=(0.0, None), ylim=(0.0, 60.0))
     axes[0, 2].legend(loc="upper right", fontsize=8)

@@ -1,4 +1,4 @@
-"""An animation that browsers show in a page: GIF, each picture with its time and phase."""
+"""An animation as GIF, which browsers show in a page. Each picture states its time and phase."""
 
 from __future__ import annotations
 
@@ -13,26 +13,26 @@ from stepover.motion.motion import Motion
 from stepover.output import write_whole
 
 RATE = 12.5
-"""Pictures a second: a GIF counts in hundredths of a second."""
+"""Pictures per second. A GIF counts in hundredths of a second."""
 BEFORE, AFTER = 0.4, 0.6
-"""What is shown before lift-off of leg 1 and after touch-down of leg 2 [s]."""
+"""Time shown before lift-off of leg 1 and after touch-down of leg 2 [s]."""
 COLOURS, INK = 256, (40, 40, 40)
 PHASES = ("walking", "phase 1: leg 1 over", "phase 2: both feet down", "phase 3: leg 2 over")
 
 
 def crossing_times(motion: Motion, rate: float = RATE) -> np.ndarray:
-    """When pictures are taken (K,) [s]: from just before lift-off of leg 1 to after touch-down of leg 2."""
+    """Times of the pictures (K,) [s]: from just before lift-off of leg 1 to just after touch-down of leg 2."""
     start, end = motion.time[motion.samples(1).start] - BEFORE, motion.time[motion.samples(3).stop] + AFTER
     return np.arange(start, end, 1.0 / rate)
 
 
 def save_film(motion: Motion, pictures: Sequence[np.ndarray], times: np.ndarray, path: str | Path, name: str) -> Path:
-    """Write pictures as an endless GIF at true speed: the same pictures give the same bytes.
+    """Write pictures as an endless GIF in real time. The same pictures give the same bytes.
 
     Args:
-        motion: what they show, for the phases.
+        motion: the motion in the pictures; gives the phases.
         pictures: K arrays (height, width, 3) of uint8.
-        times: (K,) of the pictures [s], uniform.
+        times: (K,) uniform times of the pictures [s].
         path: the folder.
         name: file name without ".gif".
 
@@ -50,7 +50,7 @@ def save_film(motion: Motion, pictures: Sequence[np.ndarray], times: np.ndarray,
 
 
 def _labelled(picture: np.ndarray, time: float, motion: Motion) -> Image.Image:
-    """A picture with its time and phase in the right upper corner."""
+    """A picture with its time and phase in the upper right corner."""
     image = Image.fromarray(picture)
     size = max(8, image.height // 24)
     phase = int(motion.phase[np.searchsorted(motion.time, time - 1e-9)])

@@ -1,4 +1,4 @@
-"""The landing of leg 1: Fig. 3, spline and polynomial, the vertical force, and what it depends on."""
+"""The landing of leg 1: Fig. 3, spline and polynomial, the vertical force, and the quantities it depends on."""
 
 from __future__ import annotations
 
@@ -39,11 +39,11 @@ DASHES = ("-", "-", "--", ":", "-.")
 
 @styled
 def leg_1_landing(profiles: Mapping[str, Profile], motion: Motion) -> Figure:
-    """Fig. 3: height, vertical speed and pitch of leg 1 by swing; and the last of the descent, from nearby.
+    """Fig. 3: height, vertical speed and pitch of leg 1 by swing, and the end of the descent enlarged.
 
     Args:
-        profiles: swings by the name that the legend shows.
-        motion: whose phases are shaded; time zero is its touch-down of leg 1.
+        profiles: swings by their names in the legend.
+        motion: gives the shaded phases. Time zero is its touch-down of leg 1.
     """
     figure, axes = panels(3, 5.8, columns=2)
     landed = dataclasses.replace(motion, time=motion.time - motion.time[motion.samples(1).stop])
@@ -70,18 +70,18 @@ def leg_1_landing(profiles: Mapping[str, Profile], motion: Motion) -> Figure:
     empty.legend([*handles[0::2], *handles[1::2]], [*labels[0::2], *labels[1::2]], loc="center", ncols=2,
                  title=f"swing of leg 1, and its descent at {1e3 * NEAR_FLOOR:.0f} mm")  # fmt: skip
     empty.axis("off")
-    titles = ["height", "the last 60 mm", "vertical speed", "how fast it comes down", "pitch, toe down: > 0"]
+    titles = ["height", "the last 60 mm", "vertical speed", "speed of the descent", "pitch, toe down: > 0"]
     numbered(axes.ravel()[:5], titles)
     return figure
 
 
 @styled
 def spline_and_polynomial(curves: Mapping[int, Curves], shown: int) -> Figure:
-    """III-B: both curves through the same control points; how far each overshoots, by the points of the landing.
+    """III-B: both curves through the same control points, and the overshoot of each.
 
     Args:
-        curves: by the number of control points of the landing.
-        shown: which of them the left panel shows.
+        curves: curves by the number of control points of the landing.
+        shown: the number that the left panel shows.
     """
     figure, axes = panels(1, 2.9, columns=2, width_ratios=[1.15, 1.0])
     left, right = axes[0]
@@ -98,17 +98,17 @@ def spline_and_polynomial(curves: Mapping[int, Curves], shown: int) -> Figure:
     right.set(yscale="log", xlabel="control points of the landing", ylabel="overshoot [mm]")
     right.set_xticks(list(curves))
     right.margins(x=0.04)
-    numbered(axes, [f"{shown} control points in the landing", "furthest out of their range"])
+    numbered(axes, [f"{shown} control points in the landing", "overshoot beyond the control points"])
     return figure
 
 
 @styled
 def landing_forces(robot: Robot, landings: Mapping[Point, Landing], paper: Sequence[float]) -> Figure:
-    """The vertical force on leg 1's foot around the planned touch-down, a column for each variation.
+    """The vertical force on leg 1's foot around the planned touch-down, with a column for each variation.
 
     Args:
-        robot: for its weight and double support.
-        landings: by what was simulated.
+        robot: gives the weight and the duration of the double support.
+        landings: landings by simulated point.
         paper: the paper's forces [N].
     """
     variations = list(dict.fromkeys(point.variation for point in landings))
@@ -137,7 +137,7 @@ def landing_forces(robot: Robot, landings: Mapping[Point, Landing], paper: Seque
         axis.set(xlim=(-150, 250), xlabel="time from touch-down [ms]")
     highest = max(float(landing.force.max()) for landing in landings.values())
     axes[0, 0].set(ylim=(0, 1.1 * max(highest, *paper)), ylabel="vertical force [N]")
-    said = f"floor on foot, mean over {1e3 * AVERAGED:.0f} ms, no other filter; thin: each step of the physics"
+    said = f"force of the floor, mean over {1e3 * AVERAGED:.0f} ms, no other filter; thin: each step of the physics"
     figure.legend(*axes[0, -1].get_legend_handles_labels(), loc="outside lower center", ncols=6, title=said,
                   title_fontsize=9, columnspacing=1.0, handlelength=1.5)  # fmt: skip
     numbered(axes, [name if name == NOISY else f"{name}, servos" for name in variations])
@@ -146,11 +146,11 @@ def landing_forces(robot: Robot, landings: Mapping[Point, Landing], paper: Seque
 
 @styled
 def landing_sensitivity(robot: Robot, rows: Sequence[Landed], paper: Sequence[float]) -> Figure:
-    """The touch-down alone and the peak of each variation, by swing.
+    """The forces at touch-down and the peaks of each variation, by swing.
 
     Args:
-        robot: for its weight.
-        rows: of the stored table.
+        robot: gives the weight.
+        rows: rows of the stored table.
         paper: the paper's forces [N].
     """
     names = list(dict.fromkeys(row.variation for row in rows))

@@ -1,4 +1,4 @@
-"""What the units contribute, the highest obstacles with and without yaw, and the plane of obstacles."""
+"""The contribution of each unit, the highest obstacles with and without yaw, and the plane of obstacles."""
 
 from __future__ import annotations
 
@@ -17,23 +17,23 @@ from stepover.studies.sweep import Crossing
 
 METHODS = (
     "FTA: (1) trailing foot held back, (2) waist raised, (3) ankle pushed away; UBMG: arms back.\n"
-    "Zero is the safety margin; what is refused above it is refused for the lead knee."
+    "Zero is the safety margin. Plans above it that are refused fail at the lead knee."
 )
-"""What the abbreviations under the bars stand for."""
+"""Meaning of the abbreviations under the bars."""
 BARS = (WAIST, PLANNED, SIMULATED, FIRST_STAGE)
 CROSSED, CROSSED_BEYOND, FAILED, NOT_PLANNED = WAIST, PLANNED, SIMULATED, OBSTACLE
-"""What became of an obstacle."""
+"""Colours of the outcomes."""
 READING = (
-    "Numbers: clearance in the physics [mm]. FU: there is no key configuration; "
-    "path: there is one, but no whole motion.\n"
-    "Circles: obstacles of the study between the tiles. Rows and columns are evenly spaced, not to scale."
+    "Numbers: clearance in the physics [mm]. FU: no key configuration. "
+    "path: a key configuration, but no complete motion.\n"
+    "Circles: obstacles between the grid values. Rows and columns are evenly spaced, not to scale."
 )
 IN_BRACKETS = " In brackets: planned, not simulated."
 
 
 @styled
 def clearance_by_units(results: Mapping[float, Sequence[Contribution]]) -> Figure:
-    """Distance of the legs from the safety margins in phase 3 by combination of units, for some heights [m]."""
+    """Distance of the legs from the safety margins in phase 3, by combination of units, for some heights [m]."""
     figure, axes = panels(1, 3.4)
     axis = axes[0, 0]
     units = [one.units for one in next(iter(results.values()))]
@@ -83,7 +83,7 @@ def highest_with_and_without_yaw(widths: np.ndarray, without: np.ndarray, turned
 
 @styled
 def obstacle_plane(rows: Sequence[Crossing]) -> Figure:
-    """What became of each obstacle of the study: a tile each, with its clearance in the physics [mm]."""
+    """The outcome for each obstacle of the study, as a tile with the clearance in the physics [mm]."""
     figure, axes = panels(1, 5.0)
     axis = axes[0, 0]
     tiles = [row for row in rows if row.height in HEIGHTS and row.width in WIDTHS]
@@ -104,7 +104,7 @@ def obstacle_plane(rows: Sequence[Crossing]) -> Figure:
     axis.tick_params(length=0)
     for side in ("left", "bottom"):
         axis.spines[side].set_visible(False)
-    named = ((CROSSED, "crossed, the paper's methods"), (CROSSED_BEYOND, "crossed, with what is beyond the paper"),
+    named = ((CROSSED, "crossed, the paper's methods"), (CROSSED_BEYOND, "crossed, with methods beyond the paper"),
              (FAILED, "planned, but fell or touched"), (NOT_PLANNED, "refused by the planner"))  # fmt: skip
     found = {_fate(row) for row in rows}
     handles = [Patch(facecolor=_shade(colour), lw=0, label=text) for colour, text in named if colour in found]
@@ -121,12 +121,12 @@ def _tile(x: float, y: float, colour: str) -> Patch:
 
 
 def _shade(colour: str) -> tuple[float, float, float, float]:
-    """What was refused is drawn lighter than what was planned."""
+    """The colour of a tile: obstacles without a plan are lighter."""
     return to_rgba(colour, 0.35 if colour == NOT_PLANNED else 1.0)
 
 
 def _fate(row: Crossing) -> str:
-    """Colour of what became of an obstacle."""
+    """Colour of an obstacle's outcome."""
     if not row.planned:
         return NOT_PLANNED
     if row.crossed is False:
@@ -135,7 +135,7 @@ def _fate(row: Crossing) -> str:
 
 
 def _clearance(row: Crossing) -> str:
-    """Clearance in the physics, or what the planner calls the reason."""
+    """Clearance in the physics, or the reason of the planner in short."""
     if row.simulated_clearance is not None:
         return f"{1e3 * row.simulated_clearance:.0f}"
     if row.planned_clearance is not None:

@@ -30,7 +30,7 @@ from stepover.report.figures.style import (
 
 @styled
 def walking_direction(motion: Motion) -> Figure:
-    """Fig. 8: ZMP and waist along the way, and where the feet are, ahead and above the floor."""
+    """Fig. 8: ZMP and waist along the path, and the feet ahead and above the floor."""
     figure, axes = panels(3, 6.0, sharex=True, height_ratios=[1.2, 1.0, 1.0])
     time, (front, width, height) = motion.time, motion.obstacle[:3]
     above, forward, lift = axes[:, 0]
@@ -57,7 +57,7 @@ def walking_direction(motion: Motion) -> Figure:
 
 @styled
 def lateral_direction(robot: Robot, motion: Motion) -> Figure:
-    """Fig. 9: ZMP and waist across the way; below, the ZMP after the first and after the second preview stage."""
+    """Fig. 9: ZMP and waist across the path; below, the ZMP after the first and the second preview stage."""
     figure, axes = panels(3, 6.0, sharex=True, sharey=True)
     time, span = motion.time, 1e3 * support_span(robot, motion)
     for axis in axes[:, 0]:
@@ -83,7 +83,7 @@ def lateral_direction(robot: Robot, motion: Motion) -> Figure:
 
 @styled
 def preview_forms(motion: Motion, kajita: CartMotion, wieber: CartMotion) -> Figure:
-    """Kajita's form and Eqs. (16)-(18) on the same reference: where their ZMPs part, and how far their CoMs do."""
+    """Kajita's form and Eqs. (16)-(18) with the same reference: the differences of their ZMPs and CoMs."""
     figure, axes = panels(2, 5.0, columns=2, width_ratios=[1.3, 1.0])
     time, reference = motion.time, motion.zmp_reference
     forms = [("Kajita [13]", kajita, PLANNED, 3), ("Eqs. (16)-(18)", wieber, SIMULATED, 2)]

@@ -14,16 +14,16 @@ from stepover.studies.success_rates import EQUIPPED, MEASURES, Rate, binned, equ
 
 COLOURS, MARKERS = {False: SIMULATED, True: PLANNED}, {False: "s", True: "o"}
 BINS = 5
-"""In which each disturbance is divided."""
+"""Number of bins for each disturbance."""
 PANELS = 8
-"""Disturbances that are shown: those that matter most."""
+"""Number of disturbances shown. They are those that matter most."""
 AIM = 0.95
-"""Success rate that is aimed at with the stabilizer."""
+"""Target success rate with the stabilizer."""
 
 
 @styled
 def robustness(rows: Sequence[Outcome]) -> Figure:
-    """The success rate of all, then over the disturbances that matter most; bars are Wilson's intervals of 95 %."""
+    """The success rate of all draws, then over the disturbances that matter most, with 95 % Wilson intervals."""
     figure, grid = panels(3, 5.6, columns=3, sharey=True)
     axes, shown = grid.ravel(), most_influential(rows)
     for place, (stabilizer, name) in enumerate(EQUIPPED.items()):
@@ -48,19 +48,19 @@ def robustness(rows: Sequence[Outcome]) -> Figure:
         axis.set(xlabel=measure)
         axis.margins(x=0.06)
     for axis in axes:
-        axis.axhline(AIM, color=REFERENCE, lw=0.7, ls=":", label="95 %, the aim" if axis is axes[0] else None)
+        axis.axhline(AIM, color=REFERENCE, lw=0.7, ls=":", label="target, 95 %" if axis is axes[0] else None)
         axis.set_ylim(-0.04, 1.04)
         axis.set_yticks([0.0, 0.25, 0.5, 0.75, 1.0], ["0", "25", "50", "75", "100"])
     for row in grid:
         row[0].set_ylabel("success [%]")
     numbered(axes, ["all draws", *[""] * len(shown)])
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside upper center", ncols=3,
-                  title="bars: Wilson's intervals of 95 %", title_fontsize=9)  # fmt: skip
+                  title="bars: 95 % Wilson intervals", title_fontsize=9)  # fmt: skip
     return figure
 
 
 def most_influential(rows: Sequence[Outcome]) -> list[str]:
-    """The disturbances that matter most, with the stabilizer or without it; in their order where none is known to."""
+    """The disturbances that matter most, with or without the stabilizer; ties keep the order of MEASURES."""
     least = dict.fromkeys(MEASURES, 1.0)
     for stabilizer in EQUIPPED:
         for one in influences(equipped(rows, stabilizer)):

@@ -30,14 +30,14 @@ from stepover.report.figures.style import (
 from stepover.simulation.measurements import Run
 
 BEFORE_FAILURE, AFTER_FAILURE = 1.0, 0.2
-"""What a plot of a failure shows [s]."""
+"""Time shown in a plot of a failure [s]."""
 EVERY, SHOWN = 4, 0.3
-"""Samples between the points of the clearance, and the largest clearance that is of interest [m]."""
+"""Samples between the points of the clearance, and the largest clearance shown [m]."""
 
 
 @styled
 def planned_and_simulated(run: Run) -> Figure:
-    """ZMP planned and measured, in x and y, and how far the waist is from its plan."""
+    """Planned and measured ZMP in x and y, and the distance of the waist from its plan."""
     motion, series = run.motion, run.series
     figure, axes = panels(3, 6.0, sharex=True, height_ratios=[1.1, 1.1, 0.9])
     for axis, name in enumerate("xy"):
@@ -63,13 +63,13 @@ def planned_and_simulated(run: Run) -> Figure:
 
 @styled
 def contact_forces(robot: Robot, run: Run) -> Figure:
-    """Vertical forces of the floor on each foot, and the robot's weight."""
+    """Vertical force of the floor on each foot, and the robot's weight."""
     motion, series = run.motion, run.series
     figure, axes = panels(2, 4.2, sharex=True, sharey=True)
     weight = robot.body.mass * GRAVITY
     feet = ((series.left_wrench, LEFT, 1), (series.right_wrench, RIGHT, -1))
     for axis, (wrench, colour, side) in zip(axes[:, 0], feet, strict=True):
-        axis.plot(series.time, wrench[:, 2], color=colour, lw=0.9, label="floor on it")
+        axis.plot(series.time, wrench[:, 2], color=colour, lw=0.9, label="force of the floor")
         axis.axhline(weight, color=REFERENCE, ls="--", lw=0.9, label=f"weight, {weight:.0f} N")
         landed = motion.footsteps.of_side(side).time
         axis.plot(landed, np.zeros_like(landed), color=REFERENCE, marker="^", ls="", ms=5, label="planned touch-down")
@@ -83,7 +83,7 @@ def contact_forces(robot: Robot, run: Run) -> Figure:
 
 @styled
 def clearance(robot: Robot, run: Run) -> Figure:
-    """Distance of the robot from the bare obstacle over time, planned and simulated, and the margin asked for."""
+    """Distance of the robot from the bare obstacle over time, planned and simulated, and the safety margin."""
     motion, series = run.motion, run.series
     figure, axes = panels(1, 2.8)
     axis = axes[0, 0]
@@ -104,7 +104,7 @@ def clearance(robot: Robot, run: Run) -> Figure:
 
 @styled
 def strip(frames: Sequence[np.ndarray], times: np.ndarray, columns: int = 5, names: Sequence[str] = ()) -> Figure:
-    """Fig. 10: K frames (H, W, 3) taken at times (K,) [s], row by row; each row may have a name."""
+    """Fig. 10: K frames (H, W, 3) at times (K,) [s], row by row. Each row may have a name."""
     rows = -(-len(frames) // columns)
     height = 7.16 / columns * frames[0].shape[0] / frames[0].shape[1]
     figure, axes = panels(rows, rows * (height + 0.03), columns=columns)
@@ -121,7 +121,7 @@ def strip(frames: Sequence[np.ndarray], times: np.ndarray, columns: int = 5, nam
 
 @styled
 def failure(robot: Robot, run: Run) -> Figure:
-    """The second before a robot falls or touches the obstacle: ZMP margin, clearance, waist, forces on the feet."""
+    """The last second before the robot falls or touches the obstacle: ZMP margin, clearance, waist, foot forces."""
     series = run.series
     sample = _failing_sample(run)
     start, end = series.time[sample] - BEFORE_FAILURE, series.time[sample] + AFTER_FAILURE
@@ -146,7 +146,9 @@ def failure(robot: Robot, run: Run) -> Figure:
     for axis in (margin, distance):
         axis.axhline(0.0, color=OBSTACLE, lw=1.2)
     forces.set_xlabel("time [s]")
-    numbered(axes, ["inside the support's edge", "clearance", "waist, simulated minus planned", "floor on the feet"])
+    numbered(
+        axes, ["ZMP inside the support polygon", "clearance", "waist, simulated minus planned", "forces on the feet"]
+    )
     figure.suptitle(textwrap.fill(run.explanation, 125), fontsize=9, x=0.01, ha="left")
     return figure
 

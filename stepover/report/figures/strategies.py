@@ -1,4 +1,4 @@
-"""Quasi-static against dynamic: ways of CoM and ZMP, the duration over epsilon, and how high each strategy reaches."""
+"""Quasi-static against dynamic: paths of CoM and ZMP, duration over epsilon, and the heights that each one crosses."""
 
 from __future__ import annotations
 
@@ -31,12 +31,12 @@ from stepover.studies.strategies import Crossed
 
 COM, ZMP = FIRST_STAGE, PLANNED
 AROUND = 0.35
-"""Way that is shown before and behind the step over the obstacle [m]."""
+"""Length of path shown before and behind the step over the obstacle [m]."""
 
 
 @styled
 def ways_from_above(robot: Robot, motions: Mapping[str, Motion]) -> Figure:
-    """Soles, obstacle, CoM and ZMP from above, a panel each motion; x from the rear ankle before the obstacle."""
+    """Soles, obstacle, CoM and ZMP from above, with a panel for each motion. x starts at the rear ankle."""
     figure, axes = panels(len(motions), 2.75 * len(motions) + 0.3, sharex=True)
     for axis, motion in zip(axes[:, 0], motions.values(), strict=True):
         first, between, second = (motion.samples(phase) for phase in (1, 2, 3))
@@ -68,9 +68,9 @@ def ways_from_above(robot: Robot, motions: Mapping[str, Motion]) -> Figure:
 
 @styled
 def ways_over_time(robot: Robot, motions: Mapping[str, Motion]) -> Figure:
-    """CoM and ZMP along the way with the support polygon's reach, each in its own time; below, how far they are apart.
+    """CoM and ZMP along the path with the support polygon, each in its own time; below, their distance.
 
-    Time 0 is the lift-off of leg 1; the numbers are the phases of Sec. II. The lower panel has one scale for all.
+    Time 0 is the lift-off of leg 1. The numbers are the phases of Sec. II. The lower panel has one scale for all.
     """
     count = len(motions)
     figure, grid = panels(2, 5.0, columns=count, height_ratios=[1.2, 1.0])
@@ -96,7 +96,7 @@ def ways_over_time(robot: Robot, motions: Mapping[str, Motion]) -> Figure:
     grid[0, 0].legend(loc="upper left")
     below.set(yscale="log", xlabel="time [s]", ylabel="ZMP from CoM [mm]", ylim=(2e-2, 1e3))
     below.legend(loc="upper right", ncols=count)
-    numbered(np.array([*grid[0], below]), [*motions, "distance of the ZMP from the CoM's projection, on one scale"])
+    numbered(np.array([*grid[0], below]), [*motions, "distance of the ZMP from the CoM's projection, same scale"])
     return figure
 
 
@@ -108,14 +108,14 @@ def duration_over_epsilon(
     rows: Sequence[Crossed],
     largest: float,
 ) -> Figure:
-    """Durations over epsilon, the paper's numbers where they meet a curve, and what crossed in the physics.
+    """Durations over epsilon, the paper's numbers on the curves, and the crossings that succeeded in the physics.
 
     Args:
         epsilons: (n,) [m].
         durations: curves (n,) [s] by name: whole motion, lift-off to landing, double support.
-        marks: epsilon [m] and duration [s] by name.
+        marks: the paper's numbers: epsilon [m] and duration [s] by name.
         rows: crossings of this obstacle.
-        largest: epsilon beyond which nothing is planned, since the ZMP may leave the soles [m].
+        largest: largest epsilon with a plan [m]. Beyond it the ZMP may leave the soles.
     """
     figure, axes = panels(1, 3.4)
     axis = axes[0, 0]
@@ -143,10 +143,10 @@ def duration_over_epsilon(
 
 @styled
 def strategies_by_height(robot: Robot, lines: Mapping[str, Sequence[Crossed]]) -> Figure:
-    """Clearance and knee torque in the physics by the obstacle's height; a cross where nothing crosses.
+    """Clearance and knee torque in the physics by the obstacle's height. A cross marks a failed crossing.
 
     Args:
-        robot: for the limit of its knees' torque.
+        robot: gives the torque limit of the knees.
         lines: rows by strategy.
     """
     figure, axes = panels(1, 3.1, columns=2)
@@ -184,7 +184,7 @@ def strategies_by_height(robot: Robot, lines: Mapping[str, Sequence[Crossed]]) -
 
 
 def _margins(lines: Mapping[str, Sequence[Crossed]]) -> str:
-    """The margins that each strategy's plans keep, for a legend."""
+    """The margins kept by each strategy's plans, for a legend."""
     kept = {name: sorted({1e3 * row.margin for row in rows if row.margin is not None}) for name, rows in lines.items()}
     return "margin kept: " + ", ".join(
         f"{name} {' or '.join(f'{margin:g}' for margin in margins)} mm" for name, margins in kept.items()
@@ -192,7 +192,7 @@ def _margins(lines: Mapping[str, Sequence[Crossed]]) -> str:
 
 
 def _rear_ankle(motion: Motion) -> float:
-    """Where the rear ankle stands while leg 1 steps over, x [m]."""
+    """Forward coordinate x of the rear ankle while leg 1 steps over [m]."""
     start = motion.samples(1).start
     return float(motion.foot(int(motion.support[start]))[start, 0])
 
@@ -211,7 +211,7 @@ def _standing_places(motion: Motion, side: int) -> np.ndarray:
 
 
 def _shade(axis: Axes, motion: Motion, time: np.ndarray) -> None:
-    """Shade the phases and number them at the foot of an axis whose time runs as time (N,) does."""
+    """Shade the phases and number them at the bottom of an axis, for times (N,) [s]."""
     for phase, colour in PHASES.items():
         samples = motion.samples(phase)
         start, end = time[samples.start], time[samples.stop]

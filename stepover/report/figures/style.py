@@ -1,4 +1,4 @@
-"""What all figures share: the only door to pyplot, one style sheet, colours with a meaning, the shaded phases."""
+"""Style of all figures: pyplot, the style sheet, colours with a meaning, and shaded phases."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from stepover.motion.motion import Motion
 from stepover.output import write_whole
 
 STYLE = Path(__file__).parents[1] / "paper.mplstyle"
-# The colours of Okabe and Ito, which colour-blind readers tell apart, each with one meaning in all figures.
+# The colours of Okabe and Ito, which colour-blind readers can tell apart. Each has one meaning in all figures.
 REFERENCE = "#000000"
 PLANNED = "#0072B2"
 SIMULATED = "#D55E00"
@@ -26,7 +26,7 @@ WAIST = "#009E73"
 LEFT, RIGHT = "#CC79A7", "#56B4E9"
 OBSTACLE = "#7F7F7F"
 AXES = {"x": PLANNED, "y": FIRST_STAGE, "z": WAIST}
-"""Of what is drawn along each axis in one panel."""
+"""Colours of the x, y and z components in one panel."""
 SUPPORT = "#00000020"
 PHASES = {1: "#56B4E9", 2: "#000000", 3: "#F0E442"}
 
@@ -34,7 +34,7 @@ P = ParamSpec("P")
 
 
 def styled(draw: Callable[P, Figure]) -> Callable[P, Figure]:
-    """Draw in our style; pyplot forgets the figure, so that a notebook shows it only where it is named."""
+    """Draw in our style, then close the figure in pyplot. So a notebook shows it only if a cell returns it."""
 
     @functools.wraps(draw)
     def drawn(*args: P.args, **kwargs: P.kwargs) -> Figure:
@@ -53,10 +53,10 @@ def panels(rows: int, height: float, columns: int = 1, **options: Any) -> tuple[
 
 
 def save(figure: Figure, path: str | Path, name: str = "") -> Figure:
-    """Write a PNG, whole or not at all, without date or version: the same figure gives the same bytes.
+    """Write a PNG without date or version, so that the same figure gives the same bytes.
 
     Args:
-        figure: to be written.
+        figure: the figure.
         path: the file, or its folder.
         name: file name in the folder, without ".png".
 
@@ -69,7 +69,7 @@ def save(figure: Figure, path: str | Path, name: str = "") -> Figure:
 
 
 def shade_phases(axes: Axes, motion: Motion, names: str = "") -> None:
-    """Shade the phases 1 to 3 of Sec. II where the axes show them; names above them are "long", "short" or ""."""
+    """Shade the visible phases 1 to 3 of Sec. II. `names` sets the names above them: "long", "short" or ""."""
     left, right = axes.get_xlim()
     for phase, colour in PHASES.items():
         samples = motion.samples(phase)
@@ -84,7 +84,7 @@ def shade_phases(axes: Axes, motion: Motion, names: str = "") -> None:
 
 
 def time_axis(axes: np.ndarray, motion: Motion, names: str = "long") -> None:
-    """Time on the lowest axes of a column, the phases on all of them, their names above the highest."""
+    """Label the lowest axes of a column with time, shade the phases on all axes, and name them above the top one."""
     for axis in axes:
         axis.set_xlim(motion.time[0], motion.time[-1])
         shade_phases(axis, motion, names if axis is axes[0] else "")
@@ -92,6 +92,6 @@ def time_axis(axes: np.ndarray, motion: Motion, names: str = "long") -> None:
 
 
 def numbered(axes: np.ndarray, titles: list[str]) -> None:
-    """Number the axes (a), (b), ... in the left upper corner, inside, with what each shows."""
+    """Number the axes (a), (b), ... and give each a title."""
     for letter, axis, title in zip("abcdefghi", axes.ravel(), titles, strict=False):
         axis.set_title(f"({letter}) {title}")

@@ -1,4 +1,4 @@
-"""Figures of the trials: a robot that sways and one that is stabilized; how high the servos go."""
+"""Figures of the trials: the robot without and with the stabilizer, and the heights that it crosses with servos."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ from stepover.simulation.measurements import Run
 from stepover.studies.trials import Outcome
 
 SETTLED = 0.1
-"""When the robot has settled on its soles after the start [s]."""
+"""Time after the start at which the robot has settled on its soles [s]."""
 SOLES = {"rigid": ("rigid soles", PLANNED, "s"), "compliant": ("rubber", SIMULATED, "o")}
 
 
 @styled
 def stabilized(without: Run, with_it: Run) -> Figure:
-    """ZMP and waist over time, on the same soles without and with the stabilizer; triangles where curves leave."""
+    """ZMP and waist over time, without and with the stabilizer on the same soles. Triangles: curve leaves the axes."""
     figure, axes = panels(3, 5.6, sharex=True)
     motion, runs = with_it.motion, ((without, SIMULATED, "without stabilizer"), (with_it, PLANNED, "with it"))
     for axis, column, name in ((axes[0, 0], 0, "x"), (axes[1, 0], 1, "y")):
@@ -52,9 +52,9 @@ def stabilized(without: Run, with_it: Run) -> Figure:
 
 @styled
 def estimated(run: Run) -> Figure:
-    """Where the estimator takes the waist to be, minus where it is; the title says how far the CoM's error is from it.
+    """Estimated minus true place of the waist. The title states how much the CoM's error differs from it.
 
-    Its first value is outside the figure, at a triangle: the robot has not yet settled on its soles then.
+    A triangle marks the first value, which lies outside the figure: the robot has not yet settled on its soles.
     """
     figure, axes = panels(1, 2.6)
     axis, series = axes[0, 0], run.series
@@ -98,7 +98,7 @@ def heights_with_servos(rows: Sequence[Outcome]) -> Figure:
 
 
 def _by_height(axis: Axes, rows: Sequence[Outcome], value: str, look: Mapping[str, Any]) -> None:
-    """One line; a cross where the robot failed."""
+    """Draw one line, with a cross where the robot failed."""
     scale = 1e3 if value == "clearance" else 1.0
     heights = 1e2 * np.array([row.height for row in rows])
     levels = scale * np.array([getattr(row, value) for row in rows], dtype=float)
@@ -109,7 +109,7 @@ def _by_height(axis: Axes, rows: Sequence[Outcome], value: str, look: Mapping[st
 
 def _clipped(axis: Axes, time: np.ndarray, values: np.ndarray, shown: tuple[float, float], colour: str,
              label: str) -> None:  # fmt: skip
-    """A curve (N,) between two values; a triangle at the edge where it leaves them."""
+    """Draw a curve (N,) between two values, with a triangle at the edge where it leaves them."""
     low, high = shown
     axis.plot(time, values, color=colour, lw=0.9, label=label)
     axis.set_ylim(low, high)

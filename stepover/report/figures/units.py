@@ -1,4 +1,4 @@
-"""What units of Algorithm 1 did for an obstacle, a picture each, where no other figure shows it."""
+"""The results of single units of Algorithm 1 for an obstacle, one figure for each unit that has no other figure."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ FEET = ((1, LEFT, "left"), (-1, RIGHT, "right"))
 
 @styled
 def swings(robot: Robot, obstacle: Obstacle, planned: Plan) -> Figure:
-    """FTG: the way of either foot over the obstacle from the side, a sole every 0.15 s."""
+    """FTG: the path of each foot over the obstacle from the side, with a sole every 0.15 s."""
     figure, axes = panels(2, 4.6, sharex=True, sharey=True)
     front, every = planned.sequence.front_face, round(SOLE_EVERY / planned.motion.dt)
     sole = np.array([[-robot.foot.heel, 0.0], [robot.foot.toe, 0.0]])
@@ -87,7 +87,7 @@ def cart(robot: Robot, planned: Plan) -> Figure:
 
 @styled
 def leg_joints(robot: Robot, planned: Plan) -> Figure:
-    """IK: the knees from straight, and how far the nearest joint of either leg is from its limit."""
+    """IK: knee angles from straight, and the smallest distance of a joint of each leg from its limit."""
     motion, body = planned.motion, robot.body
     figure, axes = panels(2, 3.9, sharex=True)
     knee, room = axes[:, 0]
@@ -106,13 +106,13 @@ def leg_joints(robot: Robot, planned: Plan) -> Figure:
     knee.set_ylabel("from straight [deg]")
     room.set_ylabel("from its limit [deg]")
     time_axis(axes[:, 0], motion)
-    numbered(axes, ["knees", "joint of the leg that is nearest to its limit"])
+    numbered(axes, ["knees", "joint of each leg nearest to its limit"])
     return figure
 
 
 @styled
 def upper_body(robot: Robot, obstacle: Obstacle, planned: Plan) -> Figure:
-    """UBMG: chest and arms, and the knee that they are for: leg 1's before it lands, by what the arms do."""
+    """UBMG: chest and arms, and their effect on the knee of leg 1 before it lands."""
     motion, parts = planned.motion, robot.upper_body
     first = planned.sequence.step(LEG_1)
     figure, axes = panels(1, 3.3, columns=2)

@@ -1,4 +1,4 @@
-"""The tables of the notebook on feasibility domains: numbers that were computed there, and verdicts on them."""
+"""The tables of the notebook on feasibility domains: the numbers computed there, and verdicts on them."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from stepover.model.robot import Robot
 from stepover.report.tables.table import Table, table
 
 REMARK_2 = 0.47
-"""Z_hds [m] down to which Remark 2 says that the range of X_ads widens."""
+"""Remark 2: the range of X_ads widens down to this Z_hds [m]."""
 
 
 def remark_1(domains: Domains, coarse: Domains, fine: Domains) -> Table:
@@ -32,7 +32,7 @@ def remark_1(domains: Domains, coarse: Domains, fine: Domains) -> Table:
 
 
 def remark_2(domains: Domains, heights: Sequence[float]) -> Table:
-    """X_ads at some heights under (7), X_hds free and by Eq. (22), and where the trend ends."""
+    """Range of X_ads at some heights under (7), with X_hds free or from Eq. (22), and where the trend ends."""
     conditions = (7, 22)
     rows = [(f"{z:.2f}", *(_range(domains.limits(e, z)) for e in conditions)) for z in heights]
     trends = [domains.trend(e) for e in conditions]
@@ -43,7 +43,7 @@ def remark_2(domains: Domains, heights: Sequence[float]) -> Table:
 
 
 def readings(found: Mapping[str, tuple[Domains, Domains]]) -> Table:
-    """What other readings give: each with the domains for the obstacle and for a higher one."""
+    """Results of other readings of the paper, each with the domains for the obstacle and for a higher one."""
     rows = []
     for name, (one, higher) in found.items():
         areas = [one.area(e) for e in (6, 7, 8)]
@@ -70,7 +70,7 @@ def conditions(over: DoubleSupport) -> Table:
 
 
 def highest(heights: np.ndarray, swept: Mapping[str, Sequence[Domains]], here: Mapping[str, Domains]) -> Table:
-    """The highest of some obstacles (H,) [m] that leave a domain, and that leave (6) and (8) a common step."""
+    """The highest of some obstacles (H,) [m] with a non-empty domain, and with a step that (6) and (8) share."""
     rows = []
     for name, line in swept.items():
         tests = [[bool(one.masks[e].any()) for one in line] for e in line[0].masks]
@@ -83,7 +83,7 @@ def highest(heights: np.ndarray, swept: Mapping[str, Sequence[Domains]], here: M
 
 
 def key_postures(robot: Robot, grids: Sequence[KeyGrid], domains: Sequence[Mapping[float, np.ndarray]]) -> Table:
-    """FU's domain by the obstacle's height [m], at two yaws: areas, and which posture the search meets first."""
+    """FU's domain by the obstacle's height [m], at two yaws: areas, and the posture that the search finds first."""
     rows = []
     for height in domains[0]:
         row = [f"{1e2 * height:.0f} cm high"]
@@ -97,11 +97,11 @@ def key_postures(robot: Robot, grids: Sequence[KeyGrid], domains: Sequence[Mappi
 
 
 def frontiers(widths: np.ndarray, heights: Mapping[str, np.ndarray], shown: Sequence[float]) -> Table:
-    """The highest obstacle [cm] by its width (W,) [m], at those widths that are to be shown.
+    """The highest obstacle [cm] at some widths.
 
     Args:
-        widths: of the obstacles [m].
-        heights: (W,) each [m], by name: first those with the waist ahead, then, in the same order, with it turned.
+        widths: (W,) widths of the obstacles [m].
+        heights: (W,) heights [m] by name: first with the waist straight ahead, then, in the same order, turned.
         shown: widths to show [m].
     """
     lines, half, rows = list(heights.values()), len(heights) // 2, []
@@ -113,7 +113,7 @@ def frontiers(widths: np.ndarray, heights: Mapping[str, np.ndarray], shown: Sequ
 
 
 def look_up(shares: Mapping[float, tuple[Share, Share]]) -> Table:
-    """delta_DS by step length [m], walking and stepping over, and the CoM's share beside it."""
+    """delta_DS by step length [m], for walking and for stepping over, with the CoM's share."""
     rows = [
         (f"{x:.2f}", *(f"{v:.3f}" for v in (walk.waist, over.waist, over.waist - walk.waist, walk.com, over.com)))
         for x, (walk, over) in shares.items()

@@ -1,4 +1,4 @@
-"""Is it a good plan? What a motion must keep, at every sample, beside what it comes to."""
+"""The limits that a plan must keep at every sample, beside the values that it reaches."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from stepover.report.tables.table import Table, table
 
 
 def kept_table(robot: Robot, planned: Plan) -> Table:
-    """Quantities of a plan, what is asked for, what comes out, and whether it is kept."""
+    """Quantities of a plan: the limit, the value here, and whether the limit is kept."""
     motion, found = planned.motion, measure(robot, planned.motion)
     _, short = postures(robot, after_adaptation(planned), slice(None))
     knee = float(knees_from_straight(robot, motion.q).min())
@@ -35,4 +35,4 @@ def kept_table(robot: Robot, planned: Plan) -> Table:
         ("fastest joint, over its limit", "ignored",
          f"{found.joint_speed_ratio_max:.2f} ({found.joint_speed_joint})", True),
     ]  # fmt: skip
-    return table("quantity | asked for | here | kept", [(*row, "yes" if kept else "no") for *row, kept in rows])
+    return table("quantity | limit | here | kept", [(*row, "yes" if kept else "no") for *row, kept in rows])

@@ -1,7 +1,7 @@
-"""The tables of the notebook on the landing: what the force depends on, the smallest fit, and the claims. Sec. III-B.
+"""The tables of the notebook on the landing: what the force depends on, the closest fit, and the claims. Sec. III-B.
 
-No fit is asked for a verdict: it is about servos, stabilizer and rubber as published, with both swings in the same
-time.
+The verdicts do not use the fit. They compare both swings in equal time, with servos, stabilizer and rubber as
+published.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from stepover.report.tables.table import Table, table
 from stepover.studies.landing import LONG, SHORT, Landed, Point, agreement_of, at
 
 PAPER_NAIVE, PAPER_SHAPED = 1200.0, 625.0
-"""N: the paper's landing forces of both swings."""
+"""The paper's landing forces of both swings [N]."""
 
 
 def profiles_table(profiles: Mapping[str, Profile]) -> Table:
@@ -34,7 +34,7 @@ def profiles_table(profiles: Mapping[str, Profile]) -> Table:
 
 
 def agreement(rows: Sequence[Landed], anew: Mapping[Point, Landing]) -> Table:
-    """Landings that were simulated anew, and whether they are those of the stored table."""
+    """Landings that were simulated anew, and whether they agree with the stored table."""
     return table(
         "case | swing | touch-down [N] | peak [N] | agrees with the table",
         [
@@ -46,14 +46,14 @@ def agreement(rows: Sequence[Landed], anew: Mapping[Point, Landing]) -> Table:
 
 
 def pair(rows: Sequence[Landed], variation: str, naive_time: float = LONG, value: str = "peak") -> tuple[float, float]:
-    """Forces of the naive swing in some time and of the shaped one in its own [N]; NaN where there is none."""
+    """Forces of the naive swing with a swing time and of the shaped swing with its own [N]; NaN for a missing force."""
     both = (at(rows, Point(variation, NAIVE, naive_time)), at(rows, Point(variation, SHAPED, LONG)))
     naive, shaped = (np.nan if row.fell else float(getattr(row, value) or np.nan) for row in both)
     return naive, shaped
 
 
 def equal_times(rows: Sequence[Landed]) -> Table:
-    """Both swings in the same time, in both base cases: touch-down alone and peak."""
+    """Both swings with the same swing time, in both base cases: touch-down and peak."""
     lines = []
     for variation in BASES:
         for time in (LONG, SHORT):
@@ -68,7 +68,7 @@ def equal_times(rows: Sequence[Landed]) -> Table:
 
 
 def spread(rows: Sequence[Landed]) -> Table:
-    """Shaped over naive peak over all variations of a kind of sole: least, middle, largest."""
+    """Ratio of the shaped to the naive peak over all variations of a kind of sole: least, median and largest."""
     lines = []
     for sole in ("compliant", "rigid"):
         kind = [name for name, setting in VARIATIONS.items() if setting.sole == sole and setting.limited]
@@ -78,13 +78,13 @@ def spread(rows: Sequence[Landed]) -> Table:
             ratios = ratios[np.isfinite(ratios)]
             values = (f"{value:.2f}" for value in (ratios.min(), np.median(ratios), ratios.max()))
             lines.append((sole, f"{time:g}", len(ratios), *values))
-    return table("soles | naive swing in [s] | variations | least ratio | middle | largest", lines)
+    return table("soles | naive swing in [s] | variations | least ratio | median | largest", lines)
 
 
 def nearest_pairs(rows: Sequence[Landed], count: int = 5) -> Table:
-    """The variations whose peaks come nearest to the paper's pair: a fit with the pair known.
+    """The variations whose peaks are nearest to the paper's pair of forces. This is a fit: the pair is known.
 
-    Those with a landing control, which the paper has not, and with another time step are left out.
+    Variations with another time step are left out. So are those with a landing control, which the paper does not have.
     """
     found = []
     for variation, setting in VARIATIONS.items():
@@ -99,11 +99,11 @@ def nearest_pairs(rows: Sequence[Landed], count: int = 5) -> Table:
                                     f"{shaped / naive:.2f}", f"{1e2 * off:.0f} %")))  # fmt: skip
     found.sort(key=lambda line: line[0])
     return table("variation | naive swing in [s] | assumptions | naive [N] | shaped, 1.5 s [N] | ratio | "
-                 "furthest from the paper", [line for _, line in found[:count]])  # fmt: skip
+                 "largest deviation from the paper", [line for _, line in found[:count]])  # fmt: skip
 
 
 def controlled(rows: Sequence[Landed]) -> Table:
-    """What stopping the descent at contact adds: touch-down and peak without and with it."""
+    """Touch-down and peak without and with a control that stops the descent at contact."""
     cases = ((BASES[0], "rubber, landing control"), (FITTED, "the same, landing control"),
              (BASES[1], "rigid, landing control"))  # fmt: skip
     lines = []
@@ -119,14 +119,14 @@ def controlled(rows: Sequence[Landed]) -> Table:
 def measured(
     robot: Robot, rows: Sequence[Landed], anew: Mapping[Point, Landing], profiles: Sequence[Profile], curves: Curves
 ) -> list[tuple[str, float, str]]:
-    """The claims of II-C and III-B: id, what is measured, and what it depends on.
+    """The claims of II-C and III-B: id, measured value, and what the value depends on.
 
     Args:
-        robot: for its weight.
-        rows: of the stored table, for what it depends on.
-        anew: landings as they were simulated, among them both swings in the same time on the published rubber.
-        profiles: shaped and naive, in the same time.
-        curves: through the control points of leg 1.
+        robot: gives the weight.
+        rows: rows of the stored table; they show what a value depends on.
+        anew: landings simulated anew. They include both swings with the same swing time on the published rubber.
+        profiles: shaped and naive swing with the same swing time.
+        curves: curves through the control points of leg 1.
     """
     weight = robot.body.mass * GRAVITY
     peaks = {point.profile: one.peak for point, one in anew.items() if point.variation == BASES[0]
@@ -151,5 +151,5 @@ def measured(
 
 
 def _force(force: float | None) -> str:
-    """A force for a table [N]; none where the robot fell or the foot met no floor in the window."""
+    """A force for a table [N]; a dash if the robot fell or the foot did not meet the floor in the window."""
     return "-" if force is None or np.isnan(force) else f"{force:.0f}"

@@ -1,4 +1,4 @@
-"""The tables of a study of disturbances: rates, failures, which disturbance matters, and what came out anew."""
+"""The tables of a study of disturbances: success rates, failures, the disturbances that matter, and repeated runs."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from stepover.studies.success_rates import EQUIPPED, equipped, influences, nearn
 
 
 def rates_table(rows: Sequence[Outcome]) -> Table:
-    """Success rates, and what went wrong, with and without the stabilizer."""
+    """Success rates and kinds of failure, with and without the stabilizer."""
     lines = []
     for stabilizer, name in EQUIPPED.items():
         some = equipped(rows, stabilizer)
@@ -27,7 +27,7 @@ def rates_table(rows: Sequence[Outcome]) -> Table:
 
 
 def influence_table(rows: Sequence[Outcome], stabilizer: bool) -> Table:
-    """What makes the robot fail: the disturbances, the one that matters most first."""
+    """The disturbances that make the robot fail, the most important first."""
     lines = [
         (one.measure, one.failed, one.succeeded, f"{one.distance:.2f}", f"{one.p:.1g}")
         for one in influences(equipped(rows, stabilizer))
@@ -39,7 +39,7 @@ def influence_table(rows: Sequence[Outcome], stabilizer: bool) -> Table:
 
 
 def nearness_table(rows: Sequence[Outcome], stabilizer: bool) -> Table:
-    """What takes room from the robot where it crosses: the disturbances, the one that matters most first."""
+    """The disturbances that change the clearance of successful crossings, the most important first."""
     lines = [(name, f"{rho:+.2f}", f"{p:.1g}") for name, rho, p in nearness(equipped(rows, stabilizer))]
     return table(
         "disturbance | rank correlation with the clearance | p", lines or [("too few draws crossed", "-", "-")]
@@ -47,7 +47,7 @@ def nearness_table(rows: Sequence[Outcome], stabilizer: bool) -> Table:
 
 
 def failures_table(rows: Sequence[Outcome]) -> Table:
-    """What went wrong, a failure a row."""
+    """All failures, one in each row."""
     failed = [
         (row.draw, EQUIPPED[row.stabilizer], f"{row.failure_time:.3f}", row.reason) for row in rows if not row.success
     ]
@@ -55,7 +55,7 @@ def failures_table(rows: Sequence[Outcome]) -> Table:
 
 
 def agreement_table(compared: Sequence[tuple[Outcome, str]]) -> Table:
-    """Rows made anew, and whether they agree with the stored ones."""
+    """Rows simulated anew, and whether they agree with the stored ones."""
     lines = [
         (row.draw, EQUIPPED[row.stabilizer], "crossed" if row.success else f"failed at {row.failure_time:.3f} s",
          1e3 * row.clearance, row.state[:12], agrees)

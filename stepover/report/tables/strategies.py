@@ -9,7 +9,7 @@ from stepover.studies.strategies import EPSILON, Crossed, by_height
 
 
 def carried_out(rows: Sequence[Crossed]) -> Table:
-    """What the physics makes of some crossings."""
+    """Results of some crossings in the physics."""
     return table(
         "strategy | epsilon [mm] | whole motion [s] | leg 1 lifts to leg 2 lands [s] | double support [s] | outcome | "
         "nearest to the obstacle [mm] | ZMP from its plan, rms [mm] | waist from its plan, at most [mm] | "
@@ -28,16 +28,16 @@ def carried_out(rows: Sequence[Crossed]) -> Table:
 
 
 def reach(rows: Sequence[Crossed]) -> Table:
-    """The highest obstacle that each strategy crosses in the physics, and what forbids one a centimetre higher."""
-    kinds = {"quasi-static, margins as asked for": (EPSILON, True), "quasi-static, 1 cm of margin": (EPSILON, False),
-             "dynamic, margins as asked for": (None, True)}  # fmt: skip
+    """The highest obstacle that each strategy crosses in the physics, and why it fails one centimetre higher."""
+    kinds = {"quasi-static, requested margins": (EPSILON, True), "quasi-static, 1 cm of margin": (EPSILON, False),
+             "dynamic, requested margins": (None, True)}  # fmt: skip
     lines = []
     for name, (epsilon, with_margins) in kinds.items():
         line = by_height(rows, epsilon)
         good = [bool(row.crossed) and not (with_margins and row.not_with_margins) for row in line]
         last = good.index(False) - 1
         lines.append((name, f"{1e2 * line[last].height:.0f}", line[last + 1].not_with_margins or line[last + 1].reason))
-    return table("strategy | highest [cm] | what forbids one more centimetre", lines)
+    return table("strategy | highest [cm] | reason for failure 1 cm higher", lines)
 
 
 def _scaled(value: float | None, scale: float = 1e3) -> float | str:

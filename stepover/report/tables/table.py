@@ -1,4 +1,4 @@
-"""Small tables for notebooks: what the paper says beside what comes out here."""
+"""Small tables for notebooks."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ class Table:
     rows: tuple[tuple[str, ...], ...]
 
     def _repr_markdown_(self) -> str:
-        """As Jupyter shows it."""
+        """The table as Markdown, for Jupyter."""
         lines = [self.header, ("---",) * len(self.header), *self.rows]
         return "\n".join(f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in line)} |" for line in lines)
 
     def __str__(self) -> str:
-        """As a terminal shows it: aligned columns."""
+        """The table with aligned columns, for a terminal."""
         lines = [self.header, *self.rows]
         widths = [max(len(line[column]) for line in lines) for column in range(len(self.header))]
         return "\n".join(

@@ -1,4 +1,4 @@
-"""The tables of the trials: each disturbance on both soles, with and without stabilizer; and how high with servos."""
+"""The tables of the trials: each disturbance with both soles, with and without stabilizer; and heights with servos."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ CONFIGURATIONS = {
     f"{name}, {'with' if stabilizer else 'without'} stabilizer": (sole, stabilizer)
     for sole, name in (("rigid", "rigid soles"), ("compliant", "rubber")) for stabilizer in (False, True)
 }  # fmt: skip
-"""Sole and stabilizer, by what they are called."""
+"""Sole and stabilizer, by the name of the configuration."""
 WORST = ("clearance", "waist_error", "torque_ratio")
 
 
 def disturbed(rows: Sequence[Outcome]) -> list[Outcome]:
-    """The rows of the paper's obstacle, one disturbance at a time."""
+    """The rows for the paper's obstacle, with one disturbance each."""
     return [row for row in rows if row.height == HEIGHT and row.speed_limits == "ignore"]
 
 
 def disturbed_table(rows: Sequence[Outcome]) -> Table:
-    """What each disturbance does, by sole and stabilizer: how near the robot came, or how it failed."""
+    """Effect of each disturbance, by sole and stabilizer: the clearance, or how the robot failed."""
     found = {(row.name, row.sole, row.stabilizer): row for row in disturbed(rows)}
     names = list(dict.fromkeys(name for name, _, _ in found))
     lines = [(name, *(_ended(found[name, *how]) for how in CONFIGURATIONS.values())) for name in names]
@@ -33,7 +33,7 @@ def disturbed_table(rows: Sequence[Outcome]) -> Table:
 
 
 def survivors_table(rows: Sequence[Outcome]) -> Table:
-    """How many of the disturbances each configuration survives, and what it comes to at worst."""
+    """Number of disturbances that each configuration survives, and its worst values."""
     lines = []
     for name, (sole, stabilizer) in CONFIGURATIONS.items():
         some = [row for row in disturbed(rows) if (row.sole, row.stabilizer) == (sole, stabilizer)]
@@ -66,7 +66,7 @@ def runs_table(runs: Mapping[str, Run]) -> Table:
 
 
 def heights_table(rows: Sequence[Outcome], speed_limits: str, stabilizer: bool = True) -> Table:
-    """Heights with servos: the joint that first comes to a limit, and what becomes of the robot."""
+    """Heights with servos: the outcome, and the joint that first reaches a limit."""
     lines = [
         (
             f"{1e2 * row.height:.0f}", "rigid" if row.sole == "rigid" else "rubber", _ended(row),
@@ -88,7 +88,7 @@ def by_height(rows: Sequence[Outcome], speed_limits: str, stabilizer: bool = Tru
 
 
 def highest(rows: Sequence[Outcome], sole: str, speed_limits: str) -> float:
-    """The height up to which every undisturbed crossing succeeds [m]; 0 where not even the lowest does."""
+    """The height up to which every undisturbed crossing succeeds [m]; 0 if the lowest one fails."""
     line = [row for row in by_height(rows, speed_limits) if row.sole == sole]
     reached = 0.0
     for row in line:
@@ -99,13 +99,13 @@ def highest(rows: Sequence[Outcome], sole: str, speed_limits: str) -> float:
 
 
 def first_at_speed_limit(rows: Sequence[Outcome], height: float, sole: str) -> str:
-    """The joint that first comes to its speed limit over a height [m], the plan ignoring the limits; or "none"."""
+    """The joint that first reaches its speed limit at a height [m], or "none". The plan ignores the limits."""
     row = next(row for row in by_height(rows, "ignore") if (row.height, row.sole) == (height, sole))
     return "none" if row.speed_time is None else str(row.speed_joint)
 
 
 def agreement_table(rows: Sequence[Outcome], trials: Sequence[Trial]) -> Table:
-    """Trials carried out anew, and whether they agree with the stored ones."""
+    """Trials simulated anew, and whether they agree with the stored ones."""
     lines = []
     for trial in trials:
         new = Outcome(**carry_out(trial))
@@ -116,14 +116,14 @@ def agreement_table(rows: Sequence[Outcome], trials: Sequence[Trial]) -> Table:
 
 
 def _agreement(new: Outcome, old: Outcome) -> str:
-    """By the states, or else by motion, outcome and clearance."""
+    """Agreement of two rows: by the states, or else by motion, outcome and clearance."""
     if (new.motion, new.crossed) != (old.motion, old.crossed):
         return NO
     return agreement(new.state == old.state, new.clearance, old.clearance, room=CLOSE)
 
 
 def _key(row: Outcome) -> tuple[object, ...]:
-    """What tells rows apart."""
+    """The values that identify a row."""
     return row.name, row.height, row.width, row.sole, row.stabilizer, row.speed_limits
 
 
@@ -138,7 +138,7 @@ def _ended(row: Outcome) -> str:
 
 
 def _joint(ratio: float | None, joint: str | None, when: float | None) -> str:
-    """A ratio, whose, and when it first came to the limit."""
+    """A ratio, its joint, and when the limit was first reached."""
     if ratio is None:
         return "-"
     return f"{ratio:.2f}, {joint}" + ("" if when is None else f" from {when:.2f} s")

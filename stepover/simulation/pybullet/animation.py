@@ -1,7 +1,7 @@
-"""The crossing as it is shown on the front page: a camera at rest, and the safety margin as a veil.
+"""The animation of the front page: the camera stands still, and the safety margin is a transparent veil.
 
-Three layers are drawn and put over each other by their distance from the camera: floor and obstacle, once; the
-margin, once; the robot, for each picture. That is quicker than drawing all of it each time, and it makes the veil.
+Three layers are drawn and combined by their distance from the camera: floor and obstacle, the margin, and the robot.
+Only the robot is drawn anew for each picture. That is faster than drawing everything, and it makes the veil possible.
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ from stepover.simulation.pybullet.video import DRAWN_HALF_WIDTH, averaged, box, 
 EYE, TARGET, FIELD_OF_VIEW = (1.8, -5.6, 1.4), (0.06, 0.0, 0.69), 17.4
 """Camera: place and what it looks at, against the middle of the obstacle [m], and its vertical angle [deg]."""
 VEIL, OPACITY = (0.86, 0.22, 0.15, 1.0), 0.32
-"""Colour of the safety margin, and how much of what is behind it hides."""
+"""Colour of the safety margin, and its opacity."""
 HAZE = (6.2, 8.6)
-"""From where to where the floor fades into the background [m]."""
+"""Distances between which the floor fades into the background [m]."""
 FINENESS = 2
 
 
@@ -30,13 +30,13 @@ def crossing_frames(
     size: tuple[int, int] = (640, 440),
     robot: Robot | None = None,
 ) -> list[np.ndarray]:
-    """Pictures from the side and slightly ahead, camera at rest before the obstacle.
+    """Pictures from the side and slightly ahead. The camera stands still before the obstacle.
 
     Args:
-        source: a run (the measured q) or a motion (the planned one).
+        source: a run, to show the measured q, or a motion, to show the planned q.
         times: (K,) [s].
         size: width and height in pixels.
-        robot: the motion's own unless given.
+        robot: the robot; default: the one named in the motion.
 
     Returns:
         K arrays (height, width, 3) of uint8.
@@ -65,5 +65,5 @@ def crossing_frames(
 
 
 def _veiled(colours: np.ndarray, veil: np.ndarray, where: np.ndarray) -> np.ndarray:
-    """Colours (..., 3) of uint8, behind the veil's where it is before them."""
+    """Colours (..., 3) of uint8, with the veil drawn over them where it is nearer."""
     return np.asarray(colours + OPACITY * where[..., None] * (veil - 1.0 * colours) + 0.5, dtype=np.uint8)

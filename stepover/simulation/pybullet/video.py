@@ -1,7 +1,7 @@
-"""What a run or a motion looks like from the side: single frames, and an mp4. No physics: q is shown as it is.
+"""Pictures and videos of a run or a motion from the side. They show the configurations q, without physics.
 
-The renderer is PyBullet's TinyRenderer, on the CPU. A single frame is drawn at twice its size and averaged, one of a
-film is not: that would take four times as long.
+The renderer is PyBullet's TinyRenderer, on the CPU. A single picture is drawn at twice its size and averaged. Frames of
+a video are not, because that would take four times as long.
 """
 
 from __future__ import annotations
@@ -26,15 +26,18 @@ from stepover.simulation.pybullet.client import load_body, local_of, names_of, p
 EYE, TARGET_HEIGHT, FIELD_OF_VIEW = (0.0, -7.5, 1.75), 0.72, 13.5
 """Camera: place against the robot [m], height it looks at [m], vertical angle [deg]. From the right: x to the right."""
 NEAR, FAR = 1.0, 20.0
-"""What the camera sees, along its axis [m]."""
+"""Nearest and furthest distance that the camera sees, along its axis [m]."""
 FOLLOW = 0.4
-"""s, over which the camera's way is smoothed."""
+"""Time over which the camera's path is smoothed [s]."""
 AMBER, FLOOR, TILE = (0.98, 0.62, 0.10, 1.0), (0.93, 0.94, 0.95, 1.0), (0.80, 0.83, 0.86, 1.0)
 """Colours: obstacle, floor, and its tiles of TILE_SIZE."""
 LEFT, RIGHT = (0.800, 0.475, 0.655, 1.0), (0.337, 0.706, 0.914, 1.0)
 """Colours of the legs, as in the figures."""
 TILE_SIZE, DRAWN_HALF_WIDTH = 0.25, 0.45
-"""m; the obstacle is drawn less wide along y than it is, so that its near end does not hide the feet."""
+"""Size of the floor's tiles, and drawn half extent of the obstacle along y [m].
+
+The true obstacle is longer. It is drawn shorter so that its near end does not hide the feet.
+"""
 LIGHT = {
     "lightDirection": (-2.0, -5.0, 6.0), "lightColor": (1.0, 1.0, 1.0), "lightDistance": 6.0, "shadow": 0,
     "lightAmbientCoeff": 0.62, "lightDiffuseCoeff": 0.42, "lightSpecularCoeff": 0.05,
@@ -45,13 +48,13 @@ def frames(
     source: Run | Motion, times: Sequence[float] | np.ndarray, size: tuple[int, int] = (640, 480),
     robot: Robot | None = None,
 ) -> list[np.ndarray]:  # fmt: skip
-    """Pictures from the side, camera following the waist.
+    """Pictures from the side. The camera follows the waist.
 
     Args:
-        source: a run (the measured q) or a motion (the planned one).
-        times: (K,) [s]; before the start and after the end, the first and last sample are shown.
+        source: a run, to show the measured q, or a motion, to show the planned q.
+        times: (K,) [s]; times outside the motion show its first or last sample.
         size: width and height in pixels.
-        robot: the motion's own unless given.
+        robot: the robot; default: the one named in the motion.
 
     Returns:
         K arrays (height, width, 3) of uint8.
@@ -63,24 +66,24 @@ def record(
     source: Run | Motion, path: str | Path, *, size: tuple[int, int] = (640, 480), rate: int = 25,
     robot: Robot | None = None, progress: Callable[[float], None] | None = None,
 ) -> None:  # fmt: skip
-    """Film a run or a motion from the side, in real time, as mp4 (H.264).
+    """Write a video of a run or a motion from the side, in real time, as mp4 (H.264).
 
     Args:
-        source: a run (the measured q) or a motion (the planned one).
-        path: of the mp4; it appears when it is whole.
-        size: width and height in pixels, even.
-        rate: frames a second.
-        robot: the motion's own unless given.
+        source: a run, to show the measured q, or a motion, to show the planned q.
+        path: path of the mp4. The file appears only when it is complete.
+        size: width and height in pixels, both even.
+        rate: frames per second.
+        robot: the robot; default: the one named in the motion.
         progress: called after each frame with the share done, 0 to 1.
 
     Raises:
-        InvalidInput: the folder does not exist or cannot be written to, the name does not end in .mp4.
+        InvalidInput: the folder does not exist or cannot be written to, or the name does not end in .mp4.
     """
     path = Path(path)
     if path.suffix != ".mp4":
         raise InvalidInput(f"{path}: a video's name must end in .mp4")
     if not path.parent.is_dir() or not os.access(path.parent, os.W_OK):
-        raise InvalidInput(f"{path} cannot be written: {path.parent} is no folder that can be written to")
+        raise InvalidInput(f"{path} cannot be written: the folder {path.parent} does not exist or is read-only")
     time, _ = _states(source)
     times = np.arange(time[0], time[-1] + 1e-9, 1.0 / rate)
     beside = part_of(path)
@@ -111,7 +114,7 @@ def _states(source: Run | Motion) -> tuple[np.ndarray, np.ndarray]:
 def _pictures(
     source: Run | Motion, times: np.ndarray, size: tuple[int, int], robot: Robot | None, fineness: int
 ) -> Iterator[np.ndarray]:
-    """Pictures (height, width, 3), one by one, drawn fineness times as large and averaged."""
+    """Pictures (height, width, 3), one by one. Each is drawn `fineness` times as large and averaged."""
     motion = source.motion if isinstance(source, Run) else source
     time, q = _states(source)
     step = float(time[1] - time[0])
@@ -124,7 +127,7 @@ def _pictures(
 
 @contextmanager
 def stage() -> Iterator[int]:
-    """An empty client, to look at only."""
+    """An empty PyBullet client for drawing."""
     with silenced():
         client = pybullet.connect(pybullet.DIRECT)
     try:
@@ -148,7 +151,7 @@ def draw_surroundings(client: int, motion: Motion, obstacle: np.ndarray) -> None
 
 
 def replay(client: int, source: Run | Motion, times: np.ndarray, robot: Robot | None) -> Iterator[None]:
-    """Load the robot into a client and put it, one after the other, where it is at times (K,) [s]."""
+    """Load the robot into a client and place it as at times (K,) [s], one after the other."""
     motion = source.motion if isinstance(source, Run) else source
     robot = robot or load_robot(motion.robot_name)
     with silenced():
@@ -172,7 +175,7 @@ def samples_at(source: Run | Motion, times: np.ndarray) -> np.ndarray:
 
 
 def box(client: int, low: Sequence[float], high: Sequence[float], colour: Sequence[float]) -> None:
-    """A box to look at, between two corners."""
+    """Draw a box between two corners."""
     middle, half = (np.add(low, high) / 2.0).tolist(), (np.subtract(high, low) / 2.0).tolist()
     look = pybullet.createVisualShape(
         pybullet.GEOM_BOX, halfExtents=half, rgbaColor=colour, specularColor=(0.0, 0.0, 0.0), physicsClientId=client
@@ -191,7 +194,7 @@ def _picture(client: int, x: float, size: tuple[int, int], fineness: int) -> np.
 def seen(
     client: int, eye: Sequence[float], target: Sequence[float], field_of_view: float, size: tuple[int, int]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """What a camera sees: colours (height, width, 3) and distances (height, width) along its axis [m]."""
+    """The camera's picture: colours (height, width, 3) and distances (height, width) along its axis [m]."""
     width, height = size
     view = pybullet.computeViewMatrix(eye, target, (0.0, 0.0, 1.0))
     lens = pybullet.computeProjectionMatrixFOV(field_of_view, width / height, NEAR, FAR)
@@ -204,7 +207,7 @@ def seen(
 
 
 def averaged(picture: np.ndarray, fineness: int) -> np.ndarray:
-    """A picture (height, width, 3), fineness times as small."""
+    """A picture (height, width, 3), reduced `fineness` times in size."""
     height, width, _ = picture.shape
     pixels = picture.reshape(height // fineness, fineness, width // fineness, fineness, 3)
     return np.asarray(pixels.mean(axis=(1, 3)) + 0.5, dtype=np.uint8)
