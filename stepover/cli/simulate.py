@@ -93,7 +93,7 @@ def _number(name: str, text: str) -> float:
 
 
 def plot_failure(run: Run, beside: Path, robot: Robot) -> str:
-    """Plot the last second before the failure, beside a file or in build/. Say where the plot is, or why there is none."""
+    """Plot the last second before the failure, beside a file or in build/. Say where it is, or why there is none."""
     try:
         with needs("a plot of the last second before the failure"):
             from stepover.report import figures
