@@ -124,7 +124,7 @@ def _code() -> str:
 
 
 def _with_row(work: Work, point: Any) -> tuple[Any, Row]:
-    """A point and its row. A process computes one at a time: a robot's pools serve one thread, a worker may have many."""
+    """A point and its row. A process computes one at a time, since a robot's pools serve only one thread."""
     with _one_at_a_time:
         return point, work(point)
 
