@@ -1,4 +1,4 @@
-"""Corners of the shapes that a URDF gives a link to collide with: its own, or those of a hull around what is round."""
+"""Corners of a URDF's collision shapes. Round shapes get the corners of a hull around them."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from scipy.spatial import ConvexHull
 from stepover.errors import InvalidInput
 
 SIDES = 16
-"""Of the prism around a cylinder: its edges stand out by 2 % of the radius."""
+"""Number of sides of the prism around a cylinder. Its edges stand out by 2 % of the radius."""
 
 
 def corners_of(geometry: coal.CollisionGeometry, name: str) -> np.ndarray:
-    """Corners (V, 3) [m] of a shape in its own frame; of a hull around a cylinder or sphere.
+    """Corners (V, 3) [m] of a shape in its own frame, or of a hull around a cylinder or sphere.
 
     Raises:
         InvalidInput: another kind of shape.
