@@ -163,7 +163,7 @@ def test_cut_short(file, tmp_path, share):
     whole = file.read_bytes()
     path = tmp_path / "cut.npz"
     path.write_bytes(whole[:-1] if share == "last" else whole[: int(share * len(whole))])
-    with pytest.raises(CorruptMotion, match=r"cut\.npz is not a whole motion file"):
+    with pytest.raises(CorruptMotion, match=r"cut\.npz is not a complete motion file"):
         Motion.load(path)
 
 
@@ -200,7 +200,7 @@ def test_changed_bytes_are_refused_or_harmless(file, motion, tmp_path):
 def test_what_is_no_motion(tmp_path, content):
     path = tmp_path / "no.npz"
     path.write_bytes(content)
-    with pytest.raises(CorruptMotion, match=r"no\.npz is not a whole motion file"):
+    with pytest.raises(CorruptMotion, match=r"no\.npz is not a complete motion file"):
         Motion.load(path)
 
 
@@ -444,7 +444,7 @@ def test_a_member_that_is_no_array_is_refused(file, tmp_path):
     with zipfile.ZipFile(file) as old, zipfile.ZipFile(path, "w") as new:
         for name in old.namelist():
             new.writestr(name, b"hello" if name == "com.npy" else old.read(name))
-    with pytest.raises(CorruptMotion, match="not a whole motion file"):
+    with pytest.raises(CorruptMotion, match="not a complete motion file"):
         Motion.load(path)
 
 

@@ -211,7 +211,7 @@ def test_interrupted_it_goes_on(where, cluster, tmp_path, monkeypatch):
         process.kill()
     assert (process.returncode, output) == (130, "")
     assert len(errors.splitlines()) == 1, errors
-    assert "the same command goes on" in errors
+    assert "run the same command to continue" in errors
     kept = finished(tmp_path)
     assert 2 <= kept < 1001
     assert not Path("t.csv").exists()

@@ -242,7 +242,7 @@ class TestShapes:
     @pytest.mark.parametrize(
         ("name", "content", "word"),
         [("m.stl", b"", "mesh"), ("m.stl", b"version https://git-lfs.github.com/spec/v1\noid sha256:0\n", "Git LFS"),
-         ("m.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "flat"), ("m.stl", os.urandom(1000), "mesh")],
+         ("m.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "flat"), ("m.stl", bytes(range(1, 256)) * 4, "mesh")],
     )  # fmt: skip
     def test_a_mesh_that_is_none(self, folder, name, content, word):
         (folder / name).write_bytes(content)

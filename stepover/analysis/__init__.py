@@ -1,1 +1,1 @@
-"""What the notebooks compute about the paper: claims in numbers, without plots."""
+"""Computations of the notebooks: the numbers behind the paper's claims, without plots."""

@@ -1,8 +1,8 @@
-"""What feeds what in Algorithm 1, read from the planner's own text: the content of Fig. 4.
+"""Data flow between the units of Algorithm 1, read from the planner's source code: the content of Fig. 4.
 
-A step is a call of a function whose docstring says which "step ... of Algorithm 1" it is. What such a call gives is
-followed to the steps that take it: through assignments, loops, the fields of dataclasses, and functions of the planner
-that call steps themselves. So the diagram cannot tell another story than the planner.
+A step is a call of a function whose docstring names its "step ... of Algorithm 1". The result of such a call is traced
+to the steps that use it: through assignments, loops, the fields of dataclasses, and functions of the planner that call
+steps themselves. So the diagram always agrees with the planner.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ NAMES = {
 }  # fmt: skip
 """The paper's names of the steps."""
 INPUT, OUTPUT = "obstacle", "Motion"
-"""What goes in: a parameter; what comes out: a class."""
+"""Input, a parameter of the planner, and output, a class."""
 Product = tuple[str, str]
-"""Who made it, and under which name the planner knows it; "" before it has one."""
+"""Unit that made a value, and the value's name in the planner; "" if it has no name yet."""
 Value = set[Product] | dict[str, "Value"] | list["Value"]
-"""What a value is made of: its products; for a dataclass those of each field, for a tuple those of each part."""
+"""Products in a value; for a dataclass, the products of each field; for a tuple, those of each part."""
 
 
 @dataclass(frozen=True)
@@ -36,9 +36,9 @@ class Block:
     """One unit as the planner calls it.
 
     Attributes:
-        name, meaning: the paper's abbreviation, and what it stands for.
+        name, meaning: the paper's abbreviation, and its full name.
         step: number in the printed algorithm.
-        functions: that the planner calls, in their order.
+        functions: functions that the planner calls, in their order.
     """
 
     name: str
@@ -49,11 +49,11 @@ class Block:
 
 @dataclass(frozen=True)
 class Diagram:
-    """Units in the order in which the planner calls them, and what each hands to another.
+    """Units in the order in which the planner calls them, and the values that flow between them.
 
     Attributes:
         blocks: the units.
-        flows: names of what flows, by who makes it and who takes it; INPUT makes and OUTPUT takes.
+        flows: names of the values, by maker and user. INPUT is a maker, OUTPUT a user.
     """
 
     blocks: tuple[Block, ...]
@@ -61,10 +61,10 @@ class Diagram:
 
 
 def diagram(source: str | None = None) -> Diagram:
-    """Read the planner.
+    """Read the planner's source code.
 
     Args:
-        source: text to read in its place.
+        source: source code to read instead.
     """
     text = ast.parse(source or inspect.getsource(planner))
     functions = {part.name: part for part in text.body if isinstance(part, ast.FunctionDef)}
@@ -72,7 +72,7 @@ def diagram(source: str | None = None) -> Diagram:
     reader = _Reader({name: part for name, part in inner.items() if not _step(name)})
     body = functions["algorithm_1"]
     known: dict[str, Value] = {INPUT: {(INPUT, INPUT)}}
-    for name in _calls(functions["plan_in_detail"]):  # what is called there comes in as a parameter of its type
+    for name in _calls(functions["plan_in_detail"]):  # functions called there receive it as a parameter of its type
         if _step(name):
             reader.call(name, {(INPUT, INPUT)})
             given = str(inspect.signature(getattr(planner, name)).return_annotation)
@@ -86,11 +86,11 @@ def diagram(source: str | None = None) -> Diagram:
 
 @dataclass
 class _Reader:
-    """Runs through statements with what values are made of in their place.
+    """Follows statements, with the products of each value in place of the value.
 
     Attributes:
-        functions: of the planner that call steps, by name.
-        steps: functions that were called, by step.
+        functions: functions of the planner that call steps, by name.
+        steps: called functions, by step.
         flows: as in Diagram.
     """
 
@@ -99,7 +99,7 @@ class _Reader:
     flows: dict[tuple[str, str], list[str]] = field(default_factory=dict)
 
     def run(self, body: Sequence[ast.stmt], known: dict[str, Value]) -> Value:
-        """Follow statements in their order; known is brought up to date. Gives what the last one returns."""
+        """Follow statements in their order and update `known`. Returns the value of the last return."""
         result: Value = set()
         for statement in body:
             match statement:
@@ -118,7 +118,7 @@ class _Reader:
         return result
 
     def made_of(self, node: ast.AST, known: dict[str, Value]) -> Value:
-        """What an expression is made of; a step's own call is what it gives."""
+        """Products in an expression."""
         match node:
             case ast.Name(name):
                 return known.get(name, set())
@@ -133,7 +133,7 @@ class _Reader:
         return _products([self.made_of(child, known) for child in children])
 
     def _called(self, name: str, positional: list[Value], by_name: dict[str, Value]) -> Value:
-        """What a call gives: a step's product, a dataclass's fields, what a function of the planner returns."""
+        """Products of a call: a step's product, a dataclass's fields, or the result of a function of the planner."""
         made = getattr(planner, name, None)
         given = _products([*positional, *by_name.values()])
         if name == OUTPUT:
@@ -150,7 +150,7 @@ class _Reader:
         return given
 
     def call(self, function: str, given: set[Product]) -> set[Product]:
-        """A step is called: note it, and what flows to it."""
+        """Record the call of a step and the values that flow to it."""
         names = self.steps.setdefault(_step(function), [])
         first = function not in names
         names += [function] * first
@@ -158,7 +158,7 @@ class _Reader:
         return {(_name(function), "")}
 
     def _flow(self, taker: str, given: set[Product], first: bool) -> None:
-        """Note what flows; when a step is called once more, only what comes back from a later one is new."""
+        """Record values that flow. If a step is called again, only values from later steps are new."""
         order = [NAMES[step][0] for step in self.steps]
         for maker, name in sorted(given):
             if maker != taker and (first or (maker in order and order.index(maker) > order.index(taker))):
@@ -167,7 +167,7 @@ class _Reader:
 
 
 def _assign(target: ast.expr, value: Value, known: dict[str, Value]) -> None:
-    """Bind names; what has none yet gets this one."""
+    """Bind names. Products without a name get this name."""
     if isinstance(target, ast.Tuple) and isinstance(value, list):
         for one, part in zip(target.elts, value, strict=True):
             _assign(one, part, known)
@@ -176,12 +176,12 @@ def _assign(target: ast.expr, value: Value, known: dict[str, Value]) -> None:
 
 
 def _named(value: Value, name: str) -> Value:
-    """The same value, products without a name under this one."""
+    """The same value, with this name for its unnamed products."""
     return {(maker, known_as or name) for maker, known_as in value} if isinstance(value, set) else value
 
 
 def _part(value: Value, name: str, part: str) -> Value:
-    """An attribute of a value with a name: a field, or a product that is known under that name by its part."""
+    """A named attribute of a value: a field, or a product that gets the name of its part."""
     if isinstance(value, dict) and part in value:
         return value[part]
     return {(maker, part if known_as == name else known_as) for maker, known_as in _products(value)}
@@ -203,11 +203,11 @@ def _calls(function: ast.FunctionDef) -> Iterator[str]:
 
 
 def _step(function: str) -> int:
-    """Which step of Algorithm 1 a function of the planner is, by its docstring; 0: none."""
+    """Step of Algorithm 1 that a function of the planner performs, from its docstring; 0: none."""
     found = re.search(r"\bstep (\d) of Algorithm 1", getattr(planner, function, None).__doc__ or "")
     return int(found[1]) if found else 0
 
 
 def _name(function: str) -> str:
-    """The paper's abbreviation for it."""
+    """The paper's abbreviation of a step."""
     return NAMES[_step(function)][0]

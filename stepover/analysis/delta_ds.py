@@ -1,7 +1,7 @@
-"""III-A's look-up table: delta_DS = X_hds / X_ads, measured out of the preview control. Sec. III-A, Eq. (22).
+"""The look-up table of III-A: delta_DS = X_hds / X_ads, measured from the preview control. Sec. III-A, Eq. (22).
 
-X_hds is the waist ahead of the rear ankle at the middle of a double support, X_ads the distance of the ankles then.
-CWTG1 keeps the waist where it is from the CoM in half-sitting, so the CoM's share stands beside the waist's.
+At the middle of a double support, X_hds is the distance of the waist from the rear ankle, and X_ads that between the
+ankles. CWTG1 keeps the waist at its offset from the CoM in half-sitting, so the CoM's share is given as well.
 """
 
 from __future__ import annotations
@@ -21,14 +21,14 @@ from stepover.planning.algorithm_1.step_sequence import step_sequence
 
 
 class Share(NamedTuple):
-    """How far between the ankles, from 0 at the rear one to 1 at the front one: the waist (delta_DS) and the CoM."""
+    """Places of the waist (delta_DS) and the CoM between the ankles, from 0 at the rear one to 1 at the front one."""
 
     waist: float
     com: float
 
 
 def delta_ds_walking(robot: Robot, step_length: float, steps: int = 10) -> Share:
-    """delta_DS in the middle of a walk of equal steps [m] with the timing of normal steps.
+    """delta_DS in the middle of a walk with equal step lengths [m] and the timing of normal steps.
 
     Raises:
         InvalidInput: a step length that is not a positive finite number.
@@ -36,7 +36,7 @@ def delta_ds_walking(robot: Robot, step_length: float, steps: int = 10) -> Share
     _require_length(step_length)
     walk, dt = robot.walk, robot.walk.sample_time
     single, double = round(walk.single_support / dt), round(walk.double_support / dt)
-    first = round(walk.standing / dt) + np.arange(steps + 1) * (single + double)  # samples in which a foot is alone
+    first = round(walk.standing / dt) + np.arange(steps + 1) * (single + double)  # samples in single support
     feet, knots = step_length * np.arange(steps + 1), np.column_stack([first, first + single]).ravel()
     zmp = np.interp(np.arange(knots[-1] + round(walk.standing / dt)), knots, np.repeat(feet, 2))
     com = track(kajita_gains(robot.preview, dt), zmp[:, None], robot.preview, dt).position[:, 0]
@@ -46,9 +46,9 @@ def delta_ds_walking(robot: Robot, step_length: float, steps: int = 10) -> Share
 
 
 def delta_ds_stepping_over(robot: Robot, obstacle: Obstacle, x_ads: float) -> Share:
-    """delta_DS in the double support over an obstacle, for a step over it of so many metres (CWTG1).
+    """delta_DS in the double support over an obstacle, for a step length over it [m] (CWTG1).
 
-    Neither the waist's height nor its yaw enters: the cart model knows neither.
+    The waist's height and yaw have no influence, since the cart model does not contain them.
 
     Raises:
         InvalidInput: a step length that is not a positive finite number.
@@ -64,12 +64,12 @@ def delta_ds_stepping_over(robot: Robot, obstacle: Obstacle, x_ads: float) -> Sh
 
 
 def _share(com: np.ndarray, to_waist: float, sample: float, rear: float, front: float) -> Share:
-    """Shares at a sample, or between two, of a CoM (N,) and a waist that is ahead of it by to_waist [m]."""
+    """Shares at a sample, or between two samples, of a CoM (N,) and a waist ahead of it by to_waist [m]."""
     at = float(np.interp(sample, np.arange(len(com)), com))
     return Share((at + to_waist - rear) / (front - rear), (at - rear) / (front - rear))
 
 
 def _require_length(step_length: float) -> None:
-    """Refuse what is no step."""
+    """Reject an invalid step length."""
     if not 0.0 < step_length < np.inf:
         raise InvalidInput(f"step length {step_length!r} must be a positive finite number of metres")

@@ -17,8 +17,8 @@ class DoubleSupport:
     """CoM and ZMP in phase 2, x from the rear ankle.
 
     Attributes:
-        x_ads: distance of the ankles [m].
-        foot: F_W [m].
+        x_ads: distance between the ankles [m].
+        foot: foot length F_W [m].
         com, zmp: (n,) from the touch-down of leg 1 to the lift-off of leg 2, both included [m].
     """
 
@@ -41,7 +41,7 @@ def double_support(robot: Robot, motion: Motion) -> DoubleSupport:
     """Phase 2 of a motion.
 
     Raises:
-        InvalidInput: the motion has none.
+        InvalidInput: the motion has no phase 2.
     """
     if not (motion.phase == 2).any():
         raise InvalidInput("the motion has no double support over an obstacle")

@@ -1,7 +1,7 @@
-"""The domain in which FU searches: all key configurations of the robot in 3-D, and its frontier. Sec. III-A, III-C3.
+"""All key configurations of the robot in 3-D, which FU searches, and the frontier of FU. Sec. III-A, III-C3.
 
-FU takes the first key configuration that it meets. Here all of them are judged, with the same legs and the same
-obstacle with its margins, X_hds by Eq. (22), over FU's range of X_ads and Z_hds or a wider one.
+FU takes the first key configuration that it finds. Here all of them are checked, with the same legs, the same obstacle
+with its margins, and X_hds from Eq. (22), over FU's range of X_ads and Z_hds or a wider one.
 """
 
 from __future__ import annotations
@@ -19,16 +19,16 @@ from stepover.planning.algorithm_1.feasibility import KeyCandidates, front_face,
 FINER = 11
 """Points of the finer grid between a posture's neighbours."""
 FURTHER = 0.03
-"""How much higher the finer grid may find an obstacle [m]."""
+"""Largest gain in obstacle height from the finer grid [m]."""
 
 
 @dataclass(frozen=True, eq=False)
 class KeyGrid:
-    """Step lengths (M,) and waist heights (N,) that are tried, at one waist yaw.
+    """Grid of step lengths (M,) and waist heights (N,) at one waist yaw.
 
     Attributes:
         x_ads, z_hds: both ascending [m].
-        yaw_deg: of the waist, that brings the right hip ahead [deg].
+        yaw_deg: yaw of the waist, positive with the right hip ahead [deg].
     """
 
     x_ads: np.ndarray
@@ -36,16 +36,16 @@ class KeyGrid:
     yaw_deg: float
 
     def searched(self, robot: Robot) -> np.ndarray:
-        """Where FU looks, (N, M) bool: steps no longer, the waist neither lower nor higher than its search goes."""
+        """The part of the grid that FU searches, (N, M) bool: within its step lengths and waist heights."""
         search = robot.feasibility
         rows = (self.z_hds >= search.waist_height_min - 1e-9) & (self.z_hds <= robot.posture.waist_height + 1e-9)
         return np.outer(rows, self.x_ads <= search.step_length_max + 1e-9)
 
 
 def key_grid(robot: Robot, step: float, yaw_deg: float, x_ads_max: float = 1.0, z_hds_min: float = 0.35) -> KeyGrid:
-    """Grid of so many metres a step, up to a given step length, down to a given height from the leg's length.
+    """Grid with a given step [m], up to a step length, and from the leg's length down to a waist height.
 
-    One of its heights is that of the waist in half-sitting, where FU starts.
+    The heights include that of the waist in half-sitting, where FU starts.
 
     Raises:
         InvalidInput: a step that is not positive, or nothing between the limits.
@@ -59,7 +59,7 @@ def key_grid(robot: Robot, step: float, yaw_deg: float, x_ads_max: float = 1.0, 
 
 
 def key_domain(robot: Robot, obstacle: Obstacle, grid: KeyGrid) -> np.ndarray:
-    """Which key configurations of a grid FU would accept: (N, M) bool, heights by step lengths."""
+    """Key configurations of a grid that FU accepts: (N, M) bool, heights by step lengths."""
     x_ads, z_hds = np.meshgrid(grid.x_ads, grid.z_hds)
     return _good(robot, obstacle, _candidates(robot, grid, x_ads.ravel(), z_hds.ravel())).reshape(x_ads.shape)
 
@@ -75,20 +75,20 @@ def first_found(domain: np.ndarray, grid: KeyGrid) -> tuple[float, float] | None
 def highest_obstacle(
     robot: Robot, width: float, grid: KeyGrid, where: np.ndarray | None = None, resolution: float = 0.001
 ) -> float:
-    """FU's frontier: height [m] of the highest bare obstacle of a width for which there is a key configuration.
+    """FU's frontier: height of the highest bare obstacle of a width that has a key configuration [m].
 
-    By bisection over the height, since what is in the way of a lower obstacle is in the way of a higher one: first on
-    the grid, then on a finer one around the postures that were left.
+    Found by bisection over the height, since a posture that collides with a lower obstacle also collides with a higher
+    one. The search uses the grid first, then a finer grid around the remaining postures.
 
     Args:
         robot: the robot.
-        width: of the bare obstacle [m]; its margins are the default ones.
-        grid: what is tried.
-        where: (N, M) bool, the part of the grid that is; None: all of it.
-        resolution: of the height [m].
+        width: width of the bare obstacle [m]. The margins are the default ones.
+        grid: grid of key configurations.
+        where: (N, M) bool, the part of the grid to use; None: all of it.
+        resolution: resolution of the height [m].
 
     Returns:
-        0 where not even an obstacle as high as the resolution leaves one.
+        The height [m]; 0 if not even an obstacle as high as the resolution has a key configuration.
     """
     tried = np.ones((len(grid.z_hds), len(grid.x_ads)), bool) if where is None else where
     coarse = _candidates(robot, grid, *(axis[tried] for axis in np.meshgrid(grid.x_ads, grid.z_hds)))
@@ -107,12 +107,12 @@ def highest_obstacle(
 
 
 def frontier(robot: Robot, widths: np.ndarray, grid: KeyGrid, where: np.ndarray | None = None) -> np.ndarray:
-    """Heights (W,) [m] of the highest obstacles of some widths (W,) [m], as highest_obstacle has them."""
+    """Heights (W,) [m] of the highest obstacles of some widths (W,) [m]; see highest_obstacle."""
     return np.array([highest_obstacle(robot, float(width), grid, where) for width in widths])
 
 
 def frontiers(robot: Robot, widths: np.ndarray, grids: Sequence[KeyGrid]) -> dict[str, np.ndarray]:
-    """The frontier (W,) [m] of each grid, by name: first the whole grid's, then that of the part where FU looks."""
+    """The frontiers (W,) [m] of each grid by name: first of the whole grid, then of the part that FU searches."""
     found = {}
     for grid in grids:
         yaw = f"yaw {grid.yaw_deg:.0f}°"
@@ -122,13 +122,13 @@ def frontiers(robot: Robot, widths: np.ndarray, grids: Sequence[KeyGrid]) -> dic
 
 
 def yaw_gains(limits: Mapping[str, np.ndarray]) -> np.ndarray:
-    """What the turned waist gains over the straight one [m], where that one has any, of frontiers with two grids."""
+    """Gains in height by turning the waist [m], from the frontiers of two grids, if the straight waist has one."""
     straight, turned = np.split(np.array(list(limits.values())), 2)
     return np.asarray((turned - straight)[straight > 0.0])
 
 
 def _candidates(robot: Robot, grid: KeyGrid, x_ads: np.ndarray, z_hds: np.ndarray) -> KeyCandidates:
-    """Key configurations of step lengths and waist heights (K,) [m], at the yaw of a grid: X_hds by Eq. (22)."""
+    """Key configurations of step lengths and waist heights (K,) [m] at the yaw of a grid, with X_hds from Eq. (22)."""
     return KeyCandidates(x_ads, robot.feasibility.delta_ds * x_ads, z_hds, float(np.radians(grid.yaw_deg)))
 
 
@@ -152,7 +152,7 @@ def _climb(
 
 
 def _good(robot: Robot, obstacle: Obstacle, candidates: KeyCandidates) -> np.ndarray:
-    """FU's judgement (K,): the obstacle with its margins before the front heel and beyond the rear toe."""
+    """FU's check (K,): whether the obstacle with its margins fits between the rear toe and the front heel."""
     search = robot.feasibility
     toe = robot.foot.toe + search.foothold_clearance
     good = np.asarray(front_face(robot, obstacle, candidates.x_ads) - obstacle.margin_width >= toe - 1e-9)

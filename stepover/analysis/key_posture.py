@@ -1,4 +1,4 @@
-"""The key configuration as a posture of the whole robot, for figures and for numbers about it. Fig. 1, Sec. III-A."""
+"""The key configuration as a posture of the whole robot, for figures and measures. Fig. 1, Sec. III-A."""
 
 from __future__ import annotations
 
@@ -23,5 +23,5 @@ def key_posture(robot: Robot, key: KeyConfiguration) -> np.ndarray:
 
 
 def knees_from_straight(robot: Robot, q: np.ndarray) -> np.ndarray:
-    """Angles (..., knees) [deg] of the knees from the straight leg, for configurations (..., nq)."""
+    """Knee angles (..., knees) from the straight leg [deg], for configurations (..., nq)."""
     return np.degrees(np.abs(q[..., [robot.body.column(knee) for knee in robot.legs.knee]]))

@@ -1,6 +1,6 @@
-"""How high it goes: the highest obstacle that is planned, and joint speeds against their limits. Sec. III, IV.
+"""Limits of the planner: the highest obstacle with a plan, and joint speeds over their limits. Sec. III, IV.
 
-Heights are found by bisection between one that is possible and one that is not.
+Heights are found by bisection between a possible and an impossible one.
 """
 
 from __future__ import annotations
@@ -20,10 +20,10 @@ class Speeds:
     """The fastest joint of a plan.
 
     Attributes:
-        ratio: largest joint speed over its limit, NaN where there is no plan.
-        joint, time: which joint and when [s].
-        duration: lift-off of leg 1 to touch-down of leg 2 [s].
-        reason: why there is no plan; empty where there is one.
+        ratio: largest joint speed over its limit; NaN without a plan.
+        joint, time: the joint, and when it is fastest [s].
+        duration: time from lift-off of leg 1 to touch-down of leg 2 [s].
+        reason: why there is no plan; empty if there is one.
     """
 
     ratio: float
@@ -34,7 +34,7 @@ class Speeds:
 
 
 def highest(possible: Callable[[float], bool], low: float, high: float, resolution: float) -> float:
-    """Highest height [m] that is possible between two, NaN where even the lower one is not."""
+    """Highest possible height between two heights [m]; NaN if even the lower one is impossible."""
     if not possible(low):
         return float("nan")
     while high - low > resolution:
@@ -44,7 +44,7 @@ def highest(possible: Callable[[float], bool], low: float, high: float, resoluti
 
 
 def highest_plan(robot: Robot, width: float, *, arms: str, extras: bool, resolution: float) -> float:
-    """Highest obstacle [m] of a width that is planned with these arms, with or without what is beyond the paper."""
+    """Highest obstacle of a width that has a plan [m], for an option of the arms, with or without extras."""
     options = {"arms": arms, "extras": extras, "look_for_nearest": False}
     return highest(
         lambda height: _works(plan_in_detail, robot, Obstacle(height, width), **options), 0.1, 0.35, resolution

@@ -1,4 +1,4 @@
-"""What Sec. II-B takes for granted of robot and motion, as numbers: masses, heights, momenta, speeds, durations."""
+"""Numbers for the assumptions of Sec. II-B about robot and motion: masses, heights, momenta, speeds, durations."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ from stepover.planning.algorithm_1.step_sequence import Crossing, step_sequence
 
 @dataclass(frozen=True)
 class Momentum:
-    """Rates of the angular momentum along a motion, about the CoM unless the cart is named.
+    """Rates of change of the angular momentum along a motion, about the CoM except for the cart.
 
     Attributes:
-        share: (2,) rms about x and y over the rms of the cart's own, Eq. (21); a point mass would have 0.
-        zmp: (2,) the same as a shift of the ZMP, x and y, rms [m].
-        yaw: largest about z [N m].
-        yaw_share: the same over the largest of the cart's.
+        share: (2,) rms about x and y over the rms of the cart's own, Eq. (21); 0 for a point mass.
+        zmp: (2,) the resulting shift of the ZMP in x and y, rms [m].
+        yaw: largest rate about z [N m].
+        yaw_share: the same over the largest rate of the cart.
     """
 
     share: np.ndarray
@@ -50,14 +50,14 @@ def upper_body_share(robot: Robot) -> float:
 
 
 def waist_above_com(motion: Motion) -> np.ndarray:
-    """Height of the waist over the CoM (N,) [m]; Remark 4 takes it for a constant."""
+    """Height of the waist above the CoM (N,) [m]. Remark 4 assumes that it is constant."""
     return np.asarray(motion.waist[:, 2] - motion.com[:, 2])
 
 
 def momentum(robot: Robot, motion: Motion) -> Momentum:
-    """How far the multi-body robot is from the cart of (15) and (21), whose mass is a point above the floor.
+    """Difference between the multi-body robot and the cart of (15) and (21), whose mass is a point above the floor.
 
-    With L̇ taken about the foot of the CoM's perpendicular, (21) asks for m c_z c̈ and the rest is L̇ about the CoM.
+    With L̇ about the CoM's projection on the floor, (21) states L̇ = m c_z c̈. The remainder is L̇ about the CoM.
     """
     force, moment = np.split(robot.body.contact_wrench(motion.q, motion.dt), 2, axis=1)
     about_com = moment - np.cross(motion.com, force)
@@ -76,9 +76,9 @@ def slowest(motion: Motion) -> tuple[float, float]:
 
 
 def timing(motion: Motion) -> list[float]:
-    """Single and double support of normal steps, the same over the obstacle [s], and the number of steps.
+    """Durations of single and double support of normal steps and over the obstacle [s], and the number of steps.
 
-    Over the obstacle means leg 1 and the double support that follows it.
+    "Over the obstacle" means the swing of leg 1 and the double support after it.
     """
     lasting = [(side != 0, sum(1 for _ in run) * motion.dt) for side, run in groupby(motion.support.tolist())]
     singles = [time for alone, time in lasting if alone]
@@ -96,18 +96,18 @@ def special_steps(motion: Motion) -> float:
 
 
 def planning_times(robot: Robot, obstacle: Obstacle, motion: Motion, whole: float, repeats: int) -> list[float]:
-    """How long Algorithm 1 takes on this machine, out of medians.
+    """Computing time of Algorithm 1 on this machine, from medians.
 
     Args:
         robot: the robot.
         obstacle: the obstacle.
-        motion: its motion.
-        whole: how long the whole of Algorithm 1 takes [s].
-        repeats: of each measurement.
+        motion: the motion over the obstacle.
+        whole: computing time of the whole of Algorithm 1 [s].
+        repeats: number of repetitions of each measurement.
 
     Returns:
-        Steps 1 and 2, and steps 3 to 7 for a sample [s]; each over the time of the rigid-body dynamics of the whole
-        motion, and of a sample.
+        Times of steps 1 and 2, and of steps 3 to 7 per sample [s]; the former over the time of the rigid-body dynamics
+        of the whole motion, the latter over that of one sample.
     """
 
     def planning() -> None:
@@ -120,6 +120,6 @@ def planning_times(robot: Robot, obstacle: Obstacle, motion: Motion, whole: floa
 
 
 def _median_time(work: Callable[[], object], repeats: int) -> float:
-    """Median duration of a call [s], after one that does not count."""
+    """Median duration of a call [s]. A first call is not counted."""
     times = timeit.repeat(work, number=1, repeat=repeats + 1)[1:]
     return float(np.median(times))

@@ -1,8 +1,8 @@
-"""The crossing before it was adapted, and what each unit of Algorithm 1 contributes. Sec. III-D, III-E, IV, Figs. 5, 7.
+"""The crossing before adaptation, and the contribution of each unit of Algorithm 1. Sec. III-D, III-E, IV, Figs. 5, 7.
 
-"Before" means: the feet as FTG made them and the waist of CWTG1, with the ZMP reference under the ankles and the
-arms at rest, for the key configuration of the finished plan. Nothing is clamped in silence: where a sole is out of
-reach, knee angles are NaN and the distance that is missing is kept beside them.
+"Before" means the feet of FTG and the waist of CWTG1, with the ZMP reference under the ankles and the arms at rest, for
+the key configuration of the finished plan. If a sole is out of reach, knee angles are NaN, and the missing distance is
+kept beside them.
 """
 
 from __future__ import annotations
@@ -30,10 +30,10 @@ from stepover.planning.trajectories import FeetTrajectories, WaistAndFeet
 
 @dataclass(frozen=True, eq=False)
 class Stage:
-    """Waist and feet at some stage of Algorithm 1.
+    """Waist and feet at one stage of Algorithm 1.
 
     Attributes:
-        name: of the stage.
+        name: name of the stage.
         sequence: the steps.
         waist: (N, 7) poses.
         feet: trajectories of the feet.
@@ -51,15 +51,15 @@ class Stage:
 
 @dataclass(frozen=True)
 class Contribution:
-    """What a combination of units achieves in phase 3.
+    """Results of a combination of units in phase 3.
 
     Attributes:
-        units: which units.
+        units: names of the units.
         clearance: smallest distance of the legs from the bare obstacle in phase 3 [m], negative inside.
-        free: the same from the obstacle with its margins [m], as FTA judges it.
-        lead_knee: smallest angle of the lead knee from straight before it lands [deg], NaN where out of reach.
-        missing: how far the soles are out of reach in phases 1 and 3 [m], 0 where none is.
-        reason: why Algorithm 1 refuses it; empty where it plans.
+        free: the same for the obstacle with its margins, as FTA measures it [m].
+        lead_knee: smallest angle of the lead knee from straight before landing [deg]; NaN if out of reach.
+        missing: largest distance of a sole from its reach in phases 1 and 3 [m]; 0 if all are within reach.
+        reason: why Algorithm 1 finds no plan; empty if it finds one.
     """
 
     units: str
@@ -79,11 +79,11 @@ COMBINATIONS = {
     "FTA, UBMG": Options("auto", METHODS),
     "FTA, UBMG, beyond the paper": Options("auto", METHODS, level=1),
 }
-"""Options by name. Level 1 stands for the level that the obstacle needs."""
+"""Options of each combination, by name. Level 1 stands for the level that the obstacle needs."""
 
 
 def lead_leg_stages(planned: Plan) -> list[Stage]:
-    """How the waist comes ahead before leg 1 lands: what each of the units adds, for the plan's key configuration."""
+    """Stages that move the waist ahead before leg 1 lands, one unit after another, for the plan's key configuration."""
     crossing = planned.nominal.crossing
     at_rest, back = (
         nominal_trajectories(crossing.robot, crossing.obstacle, planned.key, Options(arms)) for arms in ("off", "on")
@@ -101,7 +101,7 @@ def _stage(name: str, nominal: Nominal) -> Stage:
 
 
 def before_feet_adaptor(robot: Robot, planned: Plan) -> Stage:
-    """What FTA was given: the feet of FTG, and the plan's waist without the rise of method (2)."""
+    """Input of FTA: the feet of FTG, and the plan's waist without the rise of method (2)."""
     waist = raise_waist(robot, planned.sequence, planned.motion.waist, -planned.adaptation.raised)
     return Stage("before adaptation", planned.sequence, waist, planned.nominal.feet)
 
@@ -114,9 +114,9 @@ def after_adaptation(planned: Plan) -> Stage:
 
 
 def postures(robot: Robot, stage: Stage, samples: slice) -> tuple[np.ndarray, np.ndarray]:
-    """Configurations (n, nq) at some samples, arms at rest, and how far the soles are out of reach (n, 2) [m].
+    """Configurations (n, nq) at some samples with arms at rest, and the missing reach of each sole (n, 2) [m].
 
-    The legs are straight where a sole is out of reach; the columns of reach are left and right.
+    A leg is straight if its sole is out of reach. The columns of the missing reach are left and right.
     """
     waist = stage.waist[samples]
     q = np.tile(robot.half_sitting(), (len(waist), 1))
@@ -129,7 +129,7 @@ def postures(robot: Robot, stage: Stage, samples: slice) -> tuple[np.ndarray, np
 
 
 def lead_knee(robot: Robot, stage: Stage) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The lead knee over phase 1: time (n,) [s], angle from straight (n,) [deg] or NaN, sole out of reach (n,) [m]."""
+    """The lead knee over phase 1: time (n,) [s], angle from straight (n,) [deg] or NaN, missing reach (n,) [m]."""
     step = stage.sequence.step(LEG_1)
     over = stage.swing(LEG_1)
     q, missing = postures(robot, stage, over)
@@ -139,7 +139,7 @@ def lead_knee(robot: Robot, stage: Stage) -> tuple[np.ndarray, np.ndarray, np.nd
 
 
 def before_landing(robot: Robot, stage: Stage) -> tuple[float, float]:
-    """The lead knee in the second half of phase 1: least angle from straight [deg] or NaN, out of reach [m]."""
+    """The lead knee in the second half of phase 1: least angle from straight [deg] or NaN, and missing reach [m]."""
     _, angle, beyond = lead_knee(robot, stage)
     half = len(angle) // 2
     return float(angle[half:].min()), float(beyond[half:].max())
@@ -157,13 +157,13 @@ def lift(stage: Stage, kind: int) -> float:
 
 
 def contributions(robot: Robot, obstacle: Obstacle, key: KeyConfiguration, level: int) -> list[Contribution]:
-    """What the combinations of units achieve, all for one key configuration.
+    """Results of all combinations of units, for one key configuration.
 
     Args:
         robot: the robot.
         obstacle: the obstacle.
         key: key configuration.
-        level: of what is added beyond the paper, for the last combination.
+        level: level of the methods beyond the paper in the last combination.
     """
     return [
         contribution(robot, obstacle, key, dataclasses.replace(options, level=options.level * level), units)
@@ -174,7 +174,7 @@ def contributions(robot: Robot, obstacle: Obstacle, key: KeyConfiguration, level
 def contribution(
     robot: Robot, obstacle: Obstacle, key: KeyConfiguration, options: Options, units: str = ""
 ) -> Contribution:
-    """What one combination achieves: the plan where there is one, else what a single pass of its units gives."""
+    """Results of one combination: from the plan if there is one, else from a single pass of its units."""
     reason = ""
     try:
         stage = after_adaptation(algorithm_1(robot, obstacle, key, options))
@@ -191,9 +191,9 @@ def contribution(
 
 
 def after_one_pass(nominal: Nominal, options: Options) -> Stage:
-    """Filter and FTA once over the nominal trajectories, for what Algorithm 1 refuses to plan.
+    """Apply filter and FTA once to the nominal trajectories, if Algorithm 1 finds no plan.
 
-    The filter is left out where a sole is out of reach: it may not see a posture that over-reaches.
+    The filter is left out if a sole is out of reach, since it needs postures within reach.
     """
     crossing, waist = nominal.crossing, nominal.waist
     with contextlib.suppress(Infeasible):

@@ -1,4 +1,4 @@
-"""Quasi-static against dynamic: the numbers of a crossing that both strategies have. Sec. I, II-A and II-B3."""
+"""Quasi-static against dynamic: numbers of a crossing for both strategies. Sec. I, II-A and II-B3."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from stepover.motion.motion import Motion
 
 @dataclass(frozen=True)
 class Strategy:
-    """What a crossing takes, in SI units.
+    """Numbers of a crossing in SI units.
 
     Attributes:
         whole: duration of the whole motion, from rest to rest [s].
-        over: lift-off of leg 1 to touch-down of leg 2 [s].
-        double_support: both feet down with the obstacle between them [s].
-        com_travel: how far the CoM travels in that double support, x [m].
-        apart: largest distance of the multi-body ZMP from the CoM's projection, lift-off of leg 1 to touch-down of
-            leg 2 [m].
+        over: duration from lift-off of leg 1 to touch-down of leg 2 [s].
+        double_support: duration of the double support with the obstacle between the feet [s].
+        com_travel: distance in x that the CoM travels in that double support [m].
+        apart: largest distance of the multi-body ZMP from the CoM's projection, from lift-off of leg 1 to touch-down
+            of leg 2 [m].
         com_margin: smallest distance of the CoM's projection from the edge of the support polygon in that time,
             negative outside [m].
-        zmp_margin: the same of the ZMP [m].
+        zmp_margin: the same for the ZMP [m].
     """
 
     whole: float
@@ -60,12 +60,12 @@ PAPER = {
     "whole motion [s]": ("40", "-", 1.0, "whole"),
     "lift-off of leg 1 to touch-down of leg 2 [s]": ("40", "3.04 in V, 4 in the abstract", 1.0, "over"),
     "double support over the obstacle [s]": ("15", "0.04", 1.0, "double_support"),
-    "CoM's way ahead in it [mm]": ("-", "5", 1e3, "com_travel"),
+    "CoM's travel ahead in it [mm]": ("-", "5", 1e3, "com_travel"),
     "multi-body ZMP from the CoM's projection, at most [mm]": ("-", "-", 1e3, "apart"),
     "CoM's projection inside the support polygon, by [mm]": ("inside", "-", 1e3, "com_margin"),
     "ZMP inside it, by [mm]": ("-", "inside", 1e3, "zmp_margin"),
 }
-"""What the paper says of each strategy, quasi-static and dynamic, and the attribute with its scale."""
+"""The paper's numbers for each strategy, quasi-static and dynamic, and the attribute with its scale."""
 
 
 def compared(slow: Strategy, fast: Strategy) -> list[tuple[object, ...]]:
@@ -88,7 +88,7 @@ def spans(errors: np.ndarray, epsilons: np.ndarray) -> dict[str, np.ndarray]:
 
 
 def paper_marks(errors: np.ndarray) -> dict[str, tuple[float, float]]:
-    """Where the paper's durations lie: epsilon [m] and duration [s] by name."""
+    """The paper's durations on the curves: epsilon [m] and duration [s] by name."""
     known = {name: float(one[0]) for name, one in spans(errors, np.ones(1)).items()}  # at an epsilon of 1 m
     asked = (
         ("40 s, whole motion", 40.0, "whole motion"), ("40 s, lift-off to landing", 40.0, list(known)[1]),
@@ -98,11 +98,11 @@ def paper_marks(errors: np.ndarray) -> dict[str, tuple[float, float]]:
 
 
 SHARES = {1: (0.0, 0.55), 2: (0.0, 1.0), 3: (0.45, 1.0)}
-"""Moments of a crossing, as shares of its phases."""
+"""Times of a crossing, as shares of its phases."""
 
 
 def moments(motion: Motion) -> np.ndarray:
-    """Six times [s] at which to look at a crossing: the same shares of its phases, however long they last."""
+    """Six times of a crossing for pictures [s], at fixed shares of its phases."""
     spans = {phase: motion.samples(phase) for phase in SHARES}
     return np.array(
         [

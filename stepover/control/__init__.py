@@ -1,1 +1,1 @@
-"""What keeps the robot on its feet: an estimator and a stabilizer, which read only what a robot would read."""
+"""Balance control: an estimator and a stabilizer. Their only input is what a robot's sensors would read."""

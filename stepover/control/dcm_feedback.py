@@ -1,7 +1,7 @@
-"""From the DCM's deviation to the ZMP that brings it back, inside the support polygon: Caron et al. (2019), Sec. III.
+"""DCM feedback: a ZMP inside the support polygon that removes the DCM's deviation. Caron et al. (2019), Sec. III.
 
-The DCM runs away from the ZMP, xi' = omega (xi - z). The ZMP z = z_plan + (1 + k_p / omega) e + (k_i / omega) int e
-makes its deviation e decay with k_p.
+The DCM moves away from the ZMP: xi' = omega (xi - z). With the ZMP z = z_plan + (1 + k_p / omega) e + (k_i / omega)
+int e, its deviation e decays with the rate k_p.
 """
 
 from __future__ import annotations
@@ -21,12 +21,12 @@ from stepover.motion.motion import Motion
 
 @dataclass(frozen=True, eq=False)
 class DesiredZmp:
-    """The ZMP that the feedback asks for at one sample.
+    """The desired ZMP at one sample.
 
     Attributes:
-        zmp: (2,) desired, inside the support region [m].
-        cut: (2,) what was asked for beyond it [m].
-        shared: between the feet.
+        zmp: (2,) desired ZMP inside the support region [m].
+        cut: (2,) the part of the feedback that lies beyond the region [m].
+        shared: distribution of the force between the feet.
     """
 
     zmp: np.ndarray
@@ -38,7 +38,7 @@ class DcmFeedback:
     """Proportional and integral feedback of the DCM."""
 
     def __init__(self, robot: Robot, motion: Motion, planned: Reference) -> None:
-        """Begin without a deviation."""
+        """Start without a deviation."""
         gains = robot.stabilizer
         self._planned = planned
         self._proportional = 1.0 + gains.dcm_proportional / planned.omega
@@ -50,11 +50,11 @@ class DcmFeedback:
         self._low, self._high = soles.min(axis=1), soles.max(axis=1)
 
     def desired(self, sample: int, estimate: Estimate) -> DesiredZmp:
-        """One period: what the ZMP should be.
+        """The desired ZMP for one period.
 
         Args:
-            sample: that the estimate is of.
-            estimate: of the robot.
+            sample: sample of the estimate.
+            estimate: estimate of the robot's state.
         """
         planned = self._planned
         error = estimate.dcm - planned.dcm[sample]
@@ -67,7 +67,7 @@ class DcmFeedback:
         return DesiredZmp(zmp, asked - zmp, self._share(zmp, soles, standing))
 
     def _share(self, zmp: np.ndarray, soles: np.ndarray, standing: list[int]) -> Distribution:
-        """Between both feet, or all for the one that stands."""
+        """Distribute the force between both feet, or give all of it to the only standing foot."""
         if len(standing) == 2:
             return distribute(zmp, soles, self._low, self._high)
         shares, cops = np.zeros(2), np.zeros((2, 2))

@@ -1,9 +1,9 @@
-"""Base and CoM from what a robot reads: stance-foot kinematics and an IMU, after Caron et al. (ICRA 2019).
+"""Estimate base and CoM from sensor readings: stance-foot kinematics and an IMU, after Caron et al. (ICRA 2019).
 
-The IMU gives the waist's attitude, the encoders each sole's place under it, and a sole that bears load stays where
-it took it. Between two loaded feet the anchor is the mean by their loads, so that it passes smoothly from foot to
-foot. How a foot is turned decides nothing: over a rubber bush the sole lies flat while the ankle leans, and as the
-bush is near the sole, the middle of the sole as the joints have it hardly moves.
+The IMU gives the waist's attitude, and the encoders give the place of each sole relative to the waist. A loaded sole
+stays where it took the load. With two loaded feet, the anchor is their mean weighted by load, so that it passes
+smoothly from foot to foot. The rotation of a foot is not used. With a rubber bush the sole lies flat while the ankle
+leans; as the bush is near the sole, the middle of the sole computed from the joints hardly moves.
 """
 
 from __future__ import annotations
@@ -24,17 +24,18 @@ UP = np.array([0.0, 0.0, 1.0])
 
 @dataclass(frozen=True, eq=False)
 class Estimate:
-    """What is known of the robot at one sample; feet in the order left, right.
+    """The estimated state of the robot at one sample. Feet are in the order left, right.
 
     Attributes:
         attitude: (3, 3) rotation of the waist in the world.
-        waist: (3,) its place [m].
+        waist: (3,) position of the waist [m].
         com, com_velocity: (3,) [m], [m/s].
         dcm: (2,) [m].
-        zmp: (2,) where all the floor's force acts on the floor; the planned one while no foot bears load [m].
-        loads: (2,) vertical forces on the feet, zero where a foot only swings [N].
+        zmp: (2,) point on the floor where the total force of the floor acts [m]; the planned ZMP while no foot bears
+            load.
+        loads: (2,) vertical forces on the feet, zero for a swinging foot [N].
         cops: (2, 2) centre of pressure under each foot from the middle of its sole, in the world's axes [m].
-        weights: (2,) how much each foot holds the robot; their sum is 1.
+        weights: (2,) share of each foot in holding the robot; the sum is 1.
         soles: (2, 3) places of the sole frames [m].
         feet: (2, 3, 3) rotations of the feet in the world.
     """
@@ -53,19 +54,20 @@ class Estimate:
 
 
 class Estimator:
-    """Feed it one Sensed after the other.
+    """Estimates the state from one Sensed after the other.
 
-    The velocity is filtered in its deviation from the plan: it lags behind disturbances only, not behind the walk.
+    Only the velocity's deviation from the plan is filtered. So the velocity lags behind disturbances, but not behind
+    the planned walk.
     """
 
     def __init__(self, robot: Robot, planned: Reference, give: float = 0.0, start: int = 0) -> None:
-        """Begin as planned.
+        """Start with the planned state.
 
         Args:
-            robot: with the gains.
+            robot: robot with the gains.
             planned: the motion.
-            give: how far the rubber under an ankle is pressed by a load, 0 without any [m/N].
-            start: the sample at which the feet are where the plan says.
+            give: compression of the rubber under an ankle for a load [m/N]; 0 without rubber.
+            start: sample at which the feet are at their planned places.
         """
         self._planned = planned
         self._instant = Instant(robot)
@@ -83,7 +85,7 @@ class Estimator:
         """Estimate from the readings of one sample.
 
         Args:
-            sample: that they were taken at.
+            sample: sample of the readings.
             sensed: the readings.
         """
         planned, instant = self._planned, self._instant
@@ -92,7 +94,7 @@ class Estimator:
         loads, cops = self._pressure([r for r, _ in frames], sensed)
         weights = self._shares(sample, loads)
         soles = np.array([position - self._height * turn[:, 2] for turn, position in frames])
-        pressed = soles + self._give * loads[:, None] * UP  # pressed rubber: the floor is above where the joints see it
+        pressed = soles + self._give * loads[:, None] * UP  # pressed rubber raises the floor
         shift = weights @ (self._anchors - pressed)
         self._walk_on(pressed + shift, weights)
         com = instant.com()
@@ -106,7 +108,7 @@ class Estimator:
         )  # fmt: skip
 
     def _pressure(self, turns: list[np.ndarray], sensed: Sensed) -> tuple[np.ndarray, np.ndarray]:
-        """Loads (2,) and centres of pressure (2, 2): where the moment at the sole's height has no horizontal part."""
+        """Loads (2,) and centres of pressure (2, 2): points at the sole's height without a horizontal moment."""
         loads, cops = np.zeros(2), np.zeros((2, 2))
         for foot, (side, turn) in enumerate(zip(SIDES, turns, strict=True)):
             wrench = sensed.wrench(side)
@@ -118,7 +120,7 @@ class Estimator:
         return loads, cops
 
     def _shares(self, sample: int, loads: np.ndarray) -> np.ndarray:
-        """How much each foot holds the robot (2,): by load, and as planned while none bears any."""
+        """Share of each foot in holding the robot (2,): by load, or as planned while no foot bears load."""
         total = loads.sum()
         if total > 0.0:
             return np.asarray(loads / total)
@@ -127,7 +129,7 @@ class Estimator:
         ]
 
     def _walk_on(self, soles: np.ndarray, weights: np.ndarray) -> None:
-        """A foot's anchor is where its sole was when it took the load; the floor is level."""
+        """Set a foot's anchor to the place of its sole when it took the load. The floor is assumed to be level."""
         self._anchors = self._anchors + (1.0 - weights)[:, None] * (soles - self._anchors)
         self._anchors[:, 2] = 0.0
 

@@ -1,7 +1,8 @@
-"""How the feet give way: ankle damping and foot-force difference control, after Kajita et al. (2010), Sec. IV.
+"""Control of the feet: ankle damping and foot-force difference control, after Kajita et al. (2010), Sec. IV.
 
-On rubber an ankle's moment bends the rubber first. There the foot is also turned ahead by what the wanted moment will
-bend it, so that the sole stays flat and the body upright: a spring k with a damper d, d x' + k x = moment.
+With rubber soles, an ankle's moment first bends the rubber. So the foot is also turned in advance by the bend that the
+wanted moment will cause. Then the sole stays flat and the body upright. The rubber is a spring k with a damper d:
+d x' + k x = moment.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ class FeetControl:
     """
 
     def __init__(self, robot: Robot, planned: Reference, rubber: bool = False) -> None:
-        """Begin as planned; say whether there is rubber under the ankles."""
+        """Start with the planned feet; `rubber` states whether there is rubber under the ankles."""
         self._gains, self._planned, self._rubber = robot.stabilizer, planned, robot.sole if rubber else None
         self._damped, self._ahead = np.zeros((2, 2)), np.zeros((2, 2))
         self.heights = np.zeros(2)
@@ -36,15 +37,16 @@ class FeetControl:
     def give_way(self, sample: int, then: int, estimate: Estimate, shared: Distribution) -> None:
         """One period.
 
-        A foot turns as the floor turns it, until the pressure's centre is where it shall be: toe down for a centre
-        further ahead, left edge down for one further left. A foot that bears too much rises, and the other one comes
-        down by the same: so the waist stays. A foot that meets the floor early stops its descent.
+        A foot turns as the floor turns it, until the centre of pressure is at its desired place: toe down for a centre
+        further ahead, left edge down for one further left. A foot that bears too much rises, and the other foot comes
+        down by the same distance, so that the waist stays in place. A foot that meets the floor early stops its
+        descent.
 
         Args:
-            sample: that the feet are moved for.
-            then: the sample that the estimate is of.
-            estimate: of the robot.
-            shared: what each foot shall bear, and where.
+            sample: sample of the new command.
+            then: sample of the estimate.
+            estimate: estimate of the robot's state.
+            shared: desired load of each foot and its centre of pressure.
         """
         gains, dt, loads = self._gains, self._planned.dt, estimate.loads
         most = np.radians(gains.ankle_max_deg)
@@ -64,5 +66,5 @@ class FeetControl:
 
 
 def _moments(loads: np.ndarray, places: np.ndarray) -> np.ndarray:
-    """What turns the feet (2, 2), roll and pitch [N m], so that loads (2,) act at places (2, 2): ahead, toe down."""
+    """Moments on the feet (2, 2), roll and pitch [N m], of loads (2,) at places (2, 2). Ahead means toe down."""
     return np.column_stack([-loads * places[:, 1], loads * places[:, 0]])

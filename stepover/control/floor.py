@@ -1,7 +1,7 @@
-"""A floor that slopes: how the stance foot lies on it, by IMU and joints, is how the next one will.
+"""Estimate the floor's slope from the stance foot, by IMU and joints, and use it for the next foot.
 
-Without this a swinging foot comes down level, with its toe or heel first, and too early or too late by the step's
-length times the slope: 10 mm for 0.4 m at 1.5 degrees.
+Without this estimate a swinging foot comes down level, with its toe or heel first. Its height at landing is wrong by
+the step length times the slope: 10 mm for 0.4 m at 1.5 degrees.
 """
 
 from __future__ import annotations
@@ -17,14 +17,14 @@ from stepover.model.robot import Robot
 
 
 class Floor:
-    """What is known of the floor.
+    """Estimate of the floor.
 
     Attributes:
-        slope: (2,) roll and pitch: positive where the left side is up, and where it falls ahead [rad].
+        slope: (2,) roll and pitch [rad]: positive if the left side is up, and if the floor falls ahead.
     """
 
     def __init__(self, robot: Robot, planned: Reference, rubber: bool = False) -> None:
-        """Begin on a level floor; say whether there is rubber under the ankles."""
+        """Start on a level floor; `rubber` states whether there is rubber under the ankles."""
         gains = robot.stabilizer
         self._planned = planned
         self._share = planned.dt / (gains.slope_time + planned.dt)
@@ -35,11 +35,11 @@ class Floor:
         self.slope = np.zeros(2)
 
     def look(self, sample: int, estimate: Estimate) -> None:
-        """Learn from a foot that stands alone, with its pressure inside the sole: then it lies flat.
+        """Update the slope in single support. The foot lies flat if its centre of pressure is inside the sole.
 
         Args:
-            sample: that the estimate is of.
-            estimate: of the robot.
+            sample: sample of the estimate.
+            estimate: estimate of the robot's state.
         """
         support = self._planned.support[sample]
         foot = 0 if support > 0 else 1
@@ -52,6 +52,6 @@ class Floor:
         self.slope = bounded(self.slope + self._share * (seen - self.slope), -self._most, self._most)
 
     def rises(self, sample: int) -> np.ndarray:
-        """How much higher the floor is under each planned foot (2,) than under the CoM [m]."""
+        """Height of the floor under each planned foot (2,) above that under the CoM [m]."""
         away = self._planned.ankles[sample, :, :2] - self._planned.com[sample, :2]
         return np.asarray(self.slope[0] * away[:, 1] - self.slope[1] * away[:, 0])

@@ -1,10 +1,10 @@
-"""How two feet share a desired ZMP, in closed form: after the ZMP distributor of Kajita et al. (IROS 2010), Sec. III.
+"""Distribute a desired ZMP between two feet in closed form: after Kajita et al. (IROS 2010), Sec. III.
 
-A foot under the ankle a_i that bears the share w_i of the whole force F with its pressure's centre at a_i + d_i loads
-the ankle with the moment w_i F d_i. Of all shares and centres that put the whole ZMP where it shall be, those are
-taken that cost least in `sum_i w_i |d_i|^2`: both centres lie off their ankles by the same d, and the shares are those
-of the point between the ankles that is nearest to the ZMP. If d leaves the soles, the nearest shares are taken with
-which it does not; where there are none, along the hull's outer sides, the centres stop at the soles' edges.
+Foot i under the ankle a_i bears the share w_i of the total force F. If its centre of pressure is a_i + d_i, the ankle
+bears the moment w_i F d_i. Many shares and centres give the desired ZMP. The best ones minimise `sum_i w_i |d_i|^2`:
+both centres have the same offset d from their ankles, and the shares are those of the point between the ankles that is
+nearest to the ZMP. If d leaves the soles, the nearest shares with d inside are used. If there are none, along the outer
+sides of the hull, the centres stop at the soles' edges.
 """
 
 from __future__ import annotations
@@ -24,13 +24,13 @@ class Distribution(NamedTuple):
 
 
 def distribute(zmp: np.ndarray, soles: np.ndarray, low: np.ndarray, high: np.ndarray) -> Distribution:
-    """Share a ZMP between two standing feet.
+    """Distribute a ZMP between two standing feet.
 
     Args:
-        zmp: (2,) desired, on the floor [m].
+        zmp: (2,) desired ZMP on the floor [m].
         soles: (2, 2) middles of the left and the right sole, under the ankles [m].
-        low: (2, 2) least x and y of each contact patch, from there [m].
-        high: (2, 2) largest [m].
+        low: (2, 2) least x and y of each contact patch, from the middle of its sole [m].
+        high: (2, 2) largest x and y of each contact patch, from the middle of its sole [m].
     """
     between = soles[0] - soles[1]
     offset = zmp - soles[1]
@@ -41,7 +41,7 @@ def distribute(zmp: np.ndarray, soles: np.ndarray, low: np.ndarray, high: np.nda
 
 
 def _within(best: float, offset: np.ndarray, between: np.ndarray, low: np.ndarray, high: np.ndarray) -> float:
-    """The left foot's share nearest to the best one with which the centres stay inside both soles."""
+    """The left foot's share that keeps the centres inside both soles and is nearest to the best share."""
     first, last = -np.inf, np.inf
     for rest, step, least, most in zip(offset, between, low, high, strict=True):
         if abs(step) > 1e-9:

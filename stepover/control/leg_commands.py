@@ -1,4 +1,4 @@
-"""From displacements of the waist and the feet to joint angles, by inverse kinematics that cannot blow up."""
+"""Convert displacements of waist and feet to joint angles, by damped inverse kinematics that stays bounded."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from stepover.model.robot import Robot
 
 LEVEL = np.zeros(2)
 ROUNDS = 3
-"""Newton steps at most: from the sample before they start within a millimetre, and two are enough."""
+"""Largest number of Newton steps. They start from the sample before, within a millimetre, so two are enough."""
 
 
 class LegCommands:
-    """Planned joint angles and what the stabilizer adds to the legs, which grows no faster than the joints may turn."""
+    """Planned joint angles plus the stabilizer's corrections of the legs, which change at most at the speed limits."""
 
     def __init__(self, robot: Robot, planned: Reference) -> None:
-        """Begin as planned."""
+        """Start with the planned joint angles."""
         body = robot.body
         self._planned = planned
         self._instant = Instant(robot)
@@ -33,11 +33,11 @@ class LegCommands:
         """Joint angles (nq - 7,) [rad].
 
         Args:
-            sample: of the plan.
-            waists: (2, 5) displacement x, y, z [m] and tilt, roll and pitch [rad], of the waist that each leg hangs on.
+            sample: sample of the plan.
+            waists: (2, 5) displacement of the waist for each leg: x, y, z [m], then tilt in roll and pitch [rad].
             ankles: (2, 2) roll and pitch of the feet about their ankles [rad].
-            heights: (2,) of the feet [m].
-            slope: (2,) of the floor, by which the feet are turned as well, roll and pitch [rad].
+            heights: (2,) displacement of the feet in height [m].
+            slope: (2,) roll and pitch of the floor [rad]. The feet turn by it as well.
         """
         planned = self._planned
         targets = {}
@@ -53,12 +53,12 @@ class LegCommands:
 
 
 def turned(angles: np.ndarray) -> np.ndarray:
-    """Rotation (3, 3) by roll about x, then pitch about y, of the world: angles (2,) [rad]."""
+    """Rotation (3, 3) by roll about the world's x axis, then pitch about its y axis: angles (2,) [rad]."""
     (sr, sp), (cr, cp) = np.sin(angles).tolist(), np.cos(angles).tolist()
     return np.array([[cp, sp * sr, sp * cr], [0.0, cr, -sr], [-sp, cp * sr, cp * cr]])
 
 
 def tilt(turn: np.ndarray) -> np.ndarray:
-    """Roll and pitch (2,) [rad] of a rotation (3, 3): how its vertical leans, whatever its heading."""
+    """Roll and pitch (2,) [rad] of a rotation (3, 3): the lean of its vertical axis, independent of its heading."""
     x, y, z = turn[:, 2]
     return np.array([-np.arctan2(y, z), np.arctan2(x, z)])

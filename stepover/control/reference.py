@@ -1,4 +1,4 @@
-"""What a motion says at every sample, in the stabilizer's terms: computed once, before the first step."""
+"""The stabilizer's reference values at every sample of a motion. They are computed once, before the first step."""
 
 from __future__ import annotations
 
@@ -14,22 +14,23 @@ from stepover.motion.motion import Motion
 
 @dataclass(frozen=True, eq=False)
 class Reference:
-    """A motion as the stabilizer follows it; N samples, feet in the order left, right.
+    """Reference values of a motion with N samples. Feet are in the order left, right.
 
     Attributes:
         dt: sample time [s].
         omega: natural frequency of the pendulum, sqrt(g / z_c) [1/s].
         com, com_velocity: (N, 3) [m], [m/s].
         dcm: (N, 2) c + c' / omega [m].
-        zmp: (N, 2) of the multi-body model: what the sensors read if all goes as planned [m].
-        waist: (N, 7) poses.
-        attitude: (N, 3, 3) of the waist.
-        joints: (N, nq - 7) [rad].
-        ankles: (N, 2, 3) [m].
+        zmp: (N, 2) ZMP of the multi-body model [m]: the sensors' value if all goes as planned.
+        waist: (N, 7) poses of the waist.
+        attitude: (N, 3, 3) rotations of the waist.
+        joints: (N, nq - 7) joint angles [rad].
+        ankles: (N, 2, 3) positions of the ankles [m].
         feet: (N, 2, 3, 3) rotations of the feet.
         soles: (N, 2, 3) places of the sole frames [m].
         support: (N,) as in a motion.
-        landing: (N, 2) whether a foot is in the second half of its swing: if it touches something, it is the floor.
+        landing: (N, 2) whether a foot is in the second half of its swing. If it touches something then, it is the
+            floor.
     """
 
     dt: float
@@ -49,7 +50,7 @@ class Reference:
 
 
 def reference(robot: Robot, motion: Motion) -> Reference:
-    """Read a motion."""
+    """Compute the reference values of a motion."""
     omega = float(np.sqrt(GRAVITY / robot.preview.com_height))
     velocity = np.gradient(motion.com, motion.dt, axis=0)
     soles = (motion.left_foot, motion.right_foot)

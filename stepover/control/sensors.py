@@ -1,4 +1,4 @@
-"""What a robot reads in one period: encoders, an IMU with an attitude filter, and a six-axis sensor in each ankle."""
+"""Sensor readings of one period: encoders, an IMU with an attitude filter, and a six-axis sensor in each ankle."""
 
 from __future__ import annotations
 
@@ -15,8 +15,9 @@ class Sensed:
         joints: (nq - 7,) joint angles, in the order of q[7:] [rad].
         attitude: (4,) quaternion x y z w of the waist in the world.
         rate: (3,) angular velocity of the waist in its own axes [rad/s].
-        left_wrench, right_wrench: (6,) force [N] and moment [N m] of the floor on the foot at the ankle, which is
-            the origin of the last leg joint's link, in that link's axes; means over the period that ends here.
+        left_wrench, right_wrench: (6,) force [N] and moment [N m] of the floor on the foot, means over the period that
+            ends here. The reference point is the ankle, which is the origin of the last leg joint's link; the axes are
+            those of that link.
     """
 
     joints: np.ndarray

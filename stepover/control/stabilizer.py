@@ -1,7 +1,7 @@
-"""The stabilizer: joint angles that carry a motion out on a robot that sways, after Kajita (2010) and Caron (2019).
+"""The stabilizer: joint angles that keep a disturbed robot on its motion, after Kajita (2010) and Caron (2019).
 
-The DCM's deviation from the plan asks for a ZMP; the ZMP is shared between the feet; ankles, feet and CoM give way
-until the sensors read it. Readings are compared with the plan at the sample that they were taken at.
+The DCM's deviation from the plan gives a desired ZMP. It is distributed between the feet. Ankles, feet and CoM move
+until the sensors read this ZMP. Readings are compared with the plan at the sample at which they were taken.
 """
 
 from __future__ import annotations
@@ -22,20 +22,20 @@ from stepover.motion.motion import Motion
 
 
 class Stabilizer:
-    """Called once a period, with what was sensed a while before: robot.stabilizer.age.
+    """Called once a period with older readings; robot.stabilizer.age is their age.
 
     Attributes:
-        estimate: of the last call, or None.
-        floor: what is known of it.
+        estimate: estimate of the last call, or None.
+        floor: estimate of the floor.
     """
 
     def __init__(self, robot: Robot, motion: Motion, rubber: bool = False) -> None:
-        """Read the motion; begin at rest.
+        """Prepare for a motion. The stabilizer starts at rest.
 
         Args:
-            robot: with the gains.
-            motion: to be carried out.
-            rubber: whether there is rubber under the ankles, as robot.sole describes it.
+            robot: robot with the gains.
+            motion: motion to carry out.
+            rubber: whether there is rubber under the ankles, as described by robot.sole.
         """
         planned = reference(robot, motion)
         give = 1.0 / robot.sole.vertical_stiffness if rubber else 0.0
@@ -52,8 +52,8 @@ class Stabilizer:
         """Joint angles (nq - 7,) [rad] for one sample.
 
         Args:
-            sample: that the angles are for.
-            sensed: readings of the sample that is `age` samples earlier.
+            sample: sample of the angles.
+            sensed: readings taken `age` samples earlier.
         """
         then = max(sample - self._age, 0)
         self.estimate = self._estimator.update(then, sensed)

@@ -1,4 +1,4 @@
-"""Where the desired ZMP may be: the support polygon, a little smaller, and the nearest point of it."""
+"""The region for the desired ZMP: a slightly smaller support polygon, and its nearest point to a given one."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Region:
         return np.roll(self.corners, -1, axis=0) - self.corners
 
     def nearest(self, point: np.ndarray) -> np.ndarray:
-        """The point (2,) of the polygon that is nearest to a point (2,): itself, if it lies inside."""
+        """The point (2,) of the polygon that is nearest to a point (2,). A point inside is returned unchanged."""
         along, to = self._sides, point - self.corners
         if (along[:, 0] * to[:, 1] >= along[:, 1] * to[:, 0]).all():
             return point
@@ -41,12 +41,12 @@ def patch(robot: Robot, side: int, inset: float) -> np.ndarray:
 
 
 def regions(robot: Robot, motion: Motion, inset: float) -> list[Region]:
-    """The support region at each of N samples; one object from one change of support to the next.
+    """The support region at each of N samples. Samples between two changes of support share one object.
 
     Args:
-        robot: for its contact patches.
-        motion: for its feet and when they stand.
-        inset: by which the patches are smaller [m].
+        robot: gives the contact patches.
+        motion: gives the poses of the feet and when they stand.
+        inset: distance by which each edge of a patch is moved inwards [m].
     """
     changes = np.flatnonzero(np.diff(motion.support)) + 1
     result: list[Region] = []

@@ -1,8 +1,8 @@
-"""Where the waist is told to be: CoM admittance, posture, and the waist that a swinging leg hangs on.
+"""Commands for the waist: CoM admittance, posture, and a separate waist for a swinging leg.
 
-A robot's joints give way under load, so that the waist is not where it is told to be. A standing leg needs the
-commanded waist, with which the sagging one comes right; a swinging leg bears nothing, and its foot lands where it
-shall only if it is moved from where the waist is in truth.
+A robot's joints yield under load, so the true waist differs from the commanded one. A standing leg uses the commanded
+waist, which corrects for the sag. A swinging leg bears no load. Its foot only lands at the right place if the leg uses
+the true waist.
 """
 
 from __future__ import annotations
@@ -17,16 +17,16 @@ from stepover.model.robot import Robot
 
 
 class WaistControl:
-    """Displacement of the waist, for each leg its own.
+    """Displacement of the waist, separately for each leg.
 
     Attributes:
-        sway: of the CoM admittance.
-        posture: (2,) roll and pitch that are added to the waist's command [rad].
-        height: () that is added to it [m].
+        sway: state of the CoM admittance.
+        posture: (2,) roll and pitch added to the waist's command [rad].
+        height: () height added to the waist's command [m].
     """
 
     def __init__(self, robot: Robot, planned: Reference) -> None:
-        """Begin as planned."""
+        """Start with the planned waist."""
         self._gains, self._planned = robot.stabilizer, planned
         gains = self._gains
         self.sway = Swaying(gains.com_admittance, gains.com_return, gains.com_max, planned.dt)
@@ -34,14 +34,14 @@ class WaistControl:
         self._following = np.zeros((2, 5))
 
     def move(self, sample: int, then: int, estimate: Estimate, zmp: np.ndarray, rise: float = 0.0) -> np.ndarray:
-        """One period: displacements (2, 5) x, y, z [m], roll and pitch [rad] of the waist, for the left and right leg.
+        """Displacements (2, 5) of the waist for the left and right leg: x, y, z [m], roll and pitch [rad].
 
         Args:
-            sample: that they are for.
-            then: the sample that the estimate is of.
-            estimate: of the robot.
-            zmp: (2,) desired [m].
-            rise: by which the floor is higher under the loaded foot than under the CoM [m].
+            sample: sample of the displacements.
+            then: sample of the estimate.
+            estimate: estimate of the robot's state.
+            zmp: (2,) desired ZMP [m].
+            rise: height of the floor under the loaded foot above that under the CoM [m].
         """
         gains, planned = self._gains, self._planned
         self.sway.add(estimate.zmp - zmp)

@@ -1,1 +1,1 @@
-"""What exists: obstacle, robot, leg kinematics, multi-body dynamics, support polygon."""
+"""Models: obstacle, robot, leg kinematics, multi-body dynamics, support polygon."""

@@ -1,7 +1,7 @@
 """The multi-body robot: kinematics, centre of mass and ZMP over a whole motion at once.
 
-The only door to pinocchio. The ZMP is that of the full rigid-body dynamics (RNEA), from derivatives taken on
-the manifold: central differences for velocities, second differences for accelerations. Sec. II-B, Eq. (20).
+The ZMP is that of the full rigid-body dynamics (RNEA of pinocchio). Derivatives are taken on the manifold: central
+differences for velocities, second differences for accelerations. Sec. II-B, Eq. (20).
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ class Body:
 
     @property
     def model(self) -> pin.Model:
-        """The model itself, for what works on single configurations: model.instant."""
+        """Pinocchio's model, for computations on single configurations in model.instant."""
         return self._model
 
     @cached_property
@@ -60,16 +60,16 @@ class Body:
 
     @cached_property
     def _tree(self) -> dict[int, Joint]:
-        """All joints behind the root by their index, for forward kinematics."""
+        """All joints after the root by their index, for forward kinematics."""
         joints = range(2, self._model.njoints)
         return {i: Joint(self._parents[i], *self._origins[i], self.axes[i - 2]) for i in joints}
 
     def mass_beyond(self, joint: str) -> float:
-        """Mass [kg] that hangs on a joint."""
+        """Total mass of all links that a joint moves [kg]."""
         return float(self._masses[list(self._model.subtrees[self.index(joint)])].sum())
 
     def beyond(self, joints: Sequence[str], further: int) -> set[int]:
-        """Indices of all joints that move with one of some joints, from as many links further out."""
+        """Indices of all joints that move with some joints, starting a number of links further out."""
         return {i for joint in joints for i in list(self._model.subtrees[self.index(joint)])[further:]}
 
     def column(self, joint: str) -> int:
@@ -124,7 +124,7 @@ class Body:
         return (steps[1:] + steps[:-1]) / (2.0 * dt), np.diff(steps, axis=0) / dt**2
 
     def contact_wrench(self, q: np.ndarray, dt: float) -> np.ndarray:
-        """Force and moment about the world's origin that the ground must give: (N, 6) [N, N m]."""
+        """Force and moment of the ground about the world's origin: (N, 6) [N, N m]."""
         still = (q[:, 7:] == q[0, 7:]).all(axis=0)
         pool = _pool(self._model, tuple(np.flatnonzero(still).tolist()), tuple(q[0, 7:][still].tolist()))
         q = np.delete(q, 7 + np.flatnonzero(still), axis=1)
@@ -134,11 +134,11 @@ class Body:
         return np.column_stack([force, moment + np.cross(q[:, :3], force)])
 
     def dynamics_sweep(self, q: np.ndarray, dt: float) -> Callable[[], np.ndarray]:
-        """RNEA of all joints over q (N, nq) on one thread, to be called: gives (nv, N) [N, N m], anew each time."""
+        """A function that computes the RNEA of all joints over q (N, nq) on one thread: (nv, N) [N, N m]."""
         return _sweep(pin.ModelPool(self._model, 1), q, *self._derivatives(q, dt))
 
     def zmp(self, q: np.ndarray, dt: float) -> np.ndarray:
-        """Multi-body ZMP (N, 2) [m] on the floor z = 0: where the ground's moment has no horizontal part."""
+        """Multi-body ZMP (N, 2) [m]: the point of the floor z = 0 where the ground's moment has no horizontal part."""
         wrench = self.contact_wrench(q, dt)
         return np.column_stack([-wrench[:, 4], wrench[:, 3]]) / wrench[:, 2:3]
 
@@ -163,7 +163,7 @@ def _log_translation(turn: np.ndarray, shift: np.ndarray) -> np.ndarray:
 
 
 def _sweep(pool: pin.ModelPool, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> Callable[[], np.ndarray]:
-    """RNEA over all samples, by as many threads as the pool has, to be called."""
+    """A function that computes the RNEA over all samples, with all threads of the pool."""
     columns = [np.asfortranarray(x.T) for x in (q, v, a)]
     torques = np.zeros_like(columns[1])
 
@@ -176,9 +176,9 @@ def _sweep(pool: pin.ModelPool, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> 
 
 @lru_cache(maxsize=8)
 def _pool(model: pin.Model, still: tuple[int, ...], angles: tuple[float, ...]) -> pin.ModelPool:
-    """A model whose joints that stand still are rigid, for as many threads as OpenMP may use.
+    """A model in which joints that stand still are rigid, with a pool of all OpenMP threads.
 
-    Joints that never move, such as those of the hands, take no part in the dynamics but with their masses.
+    Joints that never move, such as those of the hands, only add their masses to the dynamics.
     """
     reference = pin.neutral(model)
     reference[[7 + joint for joint in still]] = angles

@@ -1,8 +1,8 @@
 """Distances between the robot's links and the obstacle.
 
-The obstacle is a beam along y, so what counts is each link's profile in the x-z plane. Profiles are tested for
-all samples at once by separating axes (a lower bound of the distance, exact where it is a face that is nearest,
-and the exact depth of a penetration); coal gives the exact signed distance in 3-D for the few that may be nearest.
+The obstacle is a beam along y, so only each link's profile in the x-z plane matters. Profiles are tested for all
+samples at once by separating axes. The result is the exact depth of a penetration, or a lower bound of the distance,
+exact if a face is nearest. For the few samples that may be nearest, coal gives the exact signed distance in 3-D.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from stepover.model.kinematics import Placements
 from stepover.model.obstacle import LATERAL_HALF_EXTENT
 
 NEAR = 0.05
-"""Separation [m] up to which a shape's own axes are asked for a better bound."""
+"""Separation up to which a shape's own axes are used for a better bound [m]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,8 +32,8 @@ class Shape:
         link: name of its link.
         joint: index of the joint that moves it, in Placements.
         vertices: (V, 3) corners in the joint's frame [m].
-        edges: (E, 3) unit directions of its edges, one each for parallel ones.
-        solid: the same as coal's geometry, in the joint's frame.
+        edges: (E, 3) unit directions of its edges, one for each set of parallel edges.
+        solid: the same shape as coal's geometry, in the joint's frame.
     """
 
     link: str
@@ -50,7 +50,7 @@ class Shape:
 
 
 class Clearance(NamedTuple):
-    """Smallest signed distance [m], the link that has it, and the sample at which."""
+    """Smallest signed distance [m], its link and its sample."""
 
     distance: float
     link: str
@@ -85,8 +85,8 @@ def _rows(vertices: np.ndarray, joint: int, placements: Placements, samples: np.
 def separation(shape: Shape, placements: Placements, rectangle: np.ndarray) -> np.ndarray:
     """Signed separation (N,) [m] of a shape from a rectangle x_min, x_max, z_min, z_max (4,) or (N, 4).
 
-    Negative: the depth of the penetration; positive: a lower bound of the distance. The axes of the rectangle come
-    first; those of the shape are asked only where they leave less than NEAR.
+    Negative values are the depth of the penetration; positive values are a lower bound of the distance. The axes of the
+    rectangle come first. Those of the shape are only used if the result is less than NEAR.
     """
     return _separation(shape, placements, rectangle, slice(None), NEAR)
 
@@ -94,7 +94,7 @@ def separation(shape: Shape, placements: Placements, rectangle: np.ndarray) -> n
 def _separation(
     shape: Shape, placements: Placements, rectangle: np.ndarray, samples: np.ndarray | slice, enough: float
 ) -> np.ndarray:
-    """The same (n,) at some samples (n,) alone, and asked for no better bound where the first leaves enough [m]."""
+    """The same (n,) at some samples (n,) only. It is only refined if the first bound is less than enough [m]."""
     corners = _rows(shape.vertices, shape.joint, placements, samples)
     rectangle = rectangle if rectangle.ndim == 1 else rectangle[samples]
     low, high = _ends(rectangle)
@@ -125,10 +125,10 @@ def _sphere_separation(shape: Shape, placements: Placements, rectangle: np.ndarr
 def least_separation(
     shapes: list[Shape], placements: Placements, rectangle: np.ndarray, up_to: float = np.inf
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Smallest separation (N,) [m] of some shapes, and the index (N,) of the one that has it; up_to where none is less.
+    """Smallest separation (N,) of some shapes [m], at most up_to, and the index (N,) of the nearest shape.
 
-    A shape is looked at only where the sphere around it comes nearer than the shapes before it, the last link first,
-    as it is the foot that is nearest.
+    A shape is only tested at samples where the sphere around it is nearer than the shapes before it. The last link
+    comes first, since the foot is usually nearest.
     """
     least, which = np.full(len(placements.positions), up_to), np.zeros(len(placements.positions), dtype=int)
     for k in reversed(range(len(shapes))):
@@ -141,7 +141,7 @@ def least_separation(
 
 
 def keep_free(shapes: list[Shape], placements: Placements, rectangle: np.ndarray, spare: float) -> np.ndarray:
-    """Which samples keep some distance to spare [m], (N,) bool: the first shape that does not ends the look."""
+    """Samples that keep some distance [m], (N,) bool. The test of a sample ends at the first shape that is too near."""
     free = np.ones(len(placements.positions), dtype=bool)
     for shape in reversed(shapes):
         near = np.flatnonzero(free & (_sphere_separation(shape, placements, rectangle) < spare))
@@ -155,7 +155,7 @@ def _along_edges(corners: np.ndarray, edges: np.ndarray, rectangle: np.ndarray) 
     lengths = np.hypot(*edges)
     normal_x, normal_z = edges[::-1] * [[[1.0]], [[-1.0]]] / np.maximum(lengths, 1e-9)
     lowest, highest = np.full((2, *lengths.shape), [[[np.inf]], [[-np.inf]]])
-    for x, z in corners.swapaxes(0, 1):  # one by one: (E, V, n) of a fine mesh would fill the memory
+    for x, z in corners.swapaxes(0, 1):  # one by one, since (E, V, n) of a fine mesh would fill the memory
         along = normal_x * x + normal_z * z
         np.minimum(lowest, along, out=lowest)
         np.maximum(highest, along, out=highest)
@@ -167,20 +167,20 @@ def _along_edges(corners: np.ndarray, edges: np.ndarray, rectangle: np.ndarray) 
 
 
 def clearance(shapes: list[Shape], placements: Placements, rectangle: np.ndarray) -> Clearance:
-    """Smallest distance of all links from the obstacle over a motion: broad phase by profiles, then coal."""
+    """Smallest distance of all links from the obstacle over a motion: a broad phase by profiles, then coal."""
     bounds = np.array([separation(shape, placements, rectangle) for shape in shapes])
     distance, which, sample = smallest(bounds, lambda i, k: exact_distance(shapes[i], placements, k, rectangle))
     return Clearance(distance, shapes[which].link, sample)
 
 
 def smallest(bounds: np.ndarray, exact: Callable[[int, int], float], up_to: float = np.inf) -> tuple[float, int, int]:
-    """Smallest exact value, its row and column, with as few calls as lower bounds (A, B) allow.
+    """Smallest exact value, its row and column, with as few calls as the lower bounds (A, B) allow.
 
-    What is larger than up_to is not told apart: then one of those values.
+    If all values are larger than up_to, the result is one of them, not always the smallest.
     """
     flat = bounds.ravel()
     best = exact(*divmod(int(flat.argmin()), bounds.shape[1])), int(flat.argmin())
-    rest = np.flatnonzero(flat <= min(best[0], up_to))  # seldom many: only these need sorting
+    rest = np.flatnonzero(flat <= min(best[0], up_to))  # usually few; only these need sorting
     for index in rest[np.argsort(flat[rest])].tolist():
         if flat[index] > best[0]:
             break
@@ -228,7 +228,7 @@ def _convex(vertices: np.ndarray) -> coal.Convex:
 
 
 def _edge_directions(hull: ConvexHull) -> np.ndarray:
-    """Unit directions (E, 3) of a hull's edges, one each for parallel ones; diagonals of flat faces left out."""
+    """Unit directions (E, 3) of a hull's edges, one for each set of parallel edges, without diagonals of flat faces."""
     corners = hull.points[hull.simplices[:, [[1, 2], [0, 2], [0, 1]]]]  # (T, 3, 2, 3), of the edge across each corner
     normals = hull.equations[:, :3]
     bent = np.einsum("ta,tka->tk", normals, normals[hull.neighbors]) <= 1.0 - 1e-9

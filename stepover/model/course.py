@@ -17,7 +17,7 @@ class Course:
     """Obstacles along the path, the nearest first.
 
     Attributes:
-        obstacles: the obstacles; kept as a tuple. Where there are several, each states its distance.
+        obstacles: the obstacles, stored as a tuple. If there are several, each needs a distance.
 
     Raises:
         InvalidInput: no obstacle, a missing distance, a wrong order, or obstacles without a gap between them.
@@ -26,7 +26,7 @@ class Course:
     obstacles: Sequence[Obstacle]
 
     def __post_init__(self) -> None:
-        """Refuse obstacles that cannot stand behind each other."""
+        """Reject obstacles that cannot stand one behind the other."""
         if isinstance(self.obstacles, Obstacle | str) or not isinstance(self.obstacles, Sequence):
             raise InvalidInput("a course needs a list of obstacles: Course([Obstacle(...), Obstacle(...)])")
         object.__setattr__(self, "obstacles", tuple(self.obstacles))

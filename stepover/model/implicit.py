@@ -1,8 +1,8 @@
-"""Accelerations that the next time step will bring, for springs and servos that are integrated implicitly.
+"""Accelerations in the next time step, for springs and servos that are integrated implicitly.
 
-A joint that is driven by tau = P + ... - D a dt, with the acceleration a of the very step that tau acts in, moves as
-if it had the inertia D dt on top of its own (Tan, Liu, Turk 2011, "Stable proportional-derivative controllers").
-Pinocchio calls an inertia of a joint alone an armature, and solves for the accelerations with feet on the floor.
+A joint is driven by tau = P + ... - D a dt, where a is the acceleration in the same step. It moves as if it had an
+additional inertia D dt (Tan, Liu, Turk 2011, "Stable proportional-derivative controllers"). Pinocchio calls such an
+inertia of a joint an armature, and solves for the accelerations with feet on the floor.
 """
 
 from __future__ import annotations
@@ -14,11 +14,11 @@ import numpy as np
 import pinocchio as pin
 
 REGULARISATION = 1e-6
-"""Of the contact forces: four corners of a flat foot share them in more than one way."""
+"""Regularisation of the contact forces, which are not unique at the four corners of a flat foot."""
 ROUNDS = 3
-"""Of pinocchio's proximal iteration over them."""
+"""Rounds of pinocchio's proximal iteration over the contact forces."""
 LOOKS = 3
-"""How often points that the floor would have to pull are taken out."""
+"""Number of rounds in which points that the floor would have to pull are removed."""
 
 
 class Prediction:
@@ -37,9 +37,9 @@ class Prediction:
         Args:
             urdf: the robot's description itself.
             joints: names of all joints, in the order of the arrays of acceleration.
-            armature: (J,) of each [kg m^2].
-            points: of each foot the joint that moves it, and the points (C, 3) in that joint's frame [m].
-            step: time [s] in which the floor stops a point.
+            armature: (J,) armature of each joint [kg m^2].
+            points: for each foot, the joint that moves it, and points (C, 3) in that joint's frame [m].
+            step: time in which the floor stops a point [s].
         """
         self._stopping = pin.BaumgarteCorrectorParameters(0.0, 1.0 / step)
         self._model = pin.buildModelFromXML(urdf, pin.JointModelFreeFlyer())
@@ -61,7 +61,7 @@ class Prediction:
         self._model.gravity.linear = gravity
 
     def nearest(self, foot: int, places: np.ndarray) -> np.ndarray:
-        """Which points of a foot are nearest to places (n, 3) in the world, at the pose of the last acceleration."""
+        """The points of a foot nearest to places (n, 3) in the world, at the pose of the last acceleration."""
         joint, corners = self._feet[foot]
         here = self._data.oMi[joint]
         local = (places - here.translation) @ here.rotation
@@ -81,12 +81,12 @@ class Prediction:
 
         Args:
             base: (7,) pose of the root.
-            twist: (6,) its velocity and angular velocity in its own axes.
-            angles: (J,) of all joints [rad, m].
-            speeds: (J,) of all joints [rad/s, m/s].
-            torque: (J,) on all joints [N m, N].
-            standing: points that may stand on the floor, counted through all feet in rising order. The floor holds
-                those that it need not pull.
+            twist: (6,) velocity and angular velocity of the root in its own axes.
+            angles: (J,) angles of all joints [rad, m].
+            speeds: (J,) speeds of all joints [rad/s, m/s].
+            torque: (J,) torques on all joints [N m, N].
+            standing: numbers of the points that may stand on the floor, counted over all feet, in rising order. The
+                floor holds a point only if it need not pull it.
         """
         self._state[:7], self._state[self._q] = base, angles
         self._speed[:6], self._speed[self._v] = twist, speeds

@@ -1,6 +1,6 @@
-"""The robot at one instant: kinematics and legs of a single configuration, as fast as a control loop wants them.
+"""The robot at one instant: kinematics and legs of a single configuration, fast enough for a control loop.
 
-Beside body.py and legs.py, which take whole motions at once: for one sample their arrays cost more than the sums.
+body.py and legs.py compute whole motions at once. For a single sample their array operations would be slow.
 """
 
 from __future__ import annotations
@@ -11,19 +11,19 @@ import pinocchio as pin
 from stepover.model.robot import Robot
 
 TOLERANCE = 1e-7
-"""Pose error [m, rad] at which the iteration of the legs has arrived."""
+"""Pose error at which the iteration of the legs has converged [m, rad]."""
 DAMPING = 1e-8 * np.eye(6)
-"""Of the legs' iteration: nothing where the knee is bent, and a finite step where it is not."""
+"""Damping of the legs' iteration: no effect on a bent knee, and finite steps for a straight one."""
 
 
 class Instant:
-    """Forward kinematics of one configuration after the other, and both legs' inverse kinematics.
+    """Forward kinematics of one configuration after the other, and inverse kinematics of both legs.
 
-    All places are relative to the root's, in the axes that the root's attitude is given in.
+    All positions are relative to the root, in the axes of the root's attitude.
     """
 
     def __init__(self, robot: Robot) -> None:
-        """Make room for a robot."""
+        """Allocate the data for a robot."""
         body = robot.body
         self._model = body.model
         self._data = self._model.createData()
@@ -34,7 +34,7 @@ class Instant:
         self._lower, self._upper = body.lower, body.upper
 
     def place(self, attitude: np.ndarray, joints: np.ndarray) -> None:
-        """Take a configuration.
+        """Set the configuration.
 
         Args:
             attitude: (4,) quaternion x y z w of the root.
@@ -53,14 +53,14 @@ class Instant:
         return np.array(pin.centerOfMass(self._model, self._data, False))
 
     def legs(self, targets: dict[int, tuple[np.ndarray, np.ndarray]], guess: np.ndarray, rounds: int) -> np.ndarray:
-        """Joint angles (nq - 7,) whose ankles are where they shall be in the root's frame, or as near as limits allow.
+        """Joint angles (nq - 7,) that put the ankles at their targets in the root's frame, or as near as limits allow.
 
-        A damped Newton iteration, so that nothing grows where a target is out of reach: the leg then points to it.
+        The damped Newton iteration stays bounded if a target is out of reach: the leg then points to it.
 
         Args:
             targets: by side, rotation (3, 3) and position (3,) of the ankle in the root's frame.
-            guess: (nq - 7,) angles to start from; other joints than the legs' stay as they are.
-            rounds: iterations at most.
+            guess: (nq - 7,) initial angles. Joints outside the legs keep them.
+            rounds: largest number of iterations.
         """
         joints = guess.copy()
         self._q[3:7], self._q[7:] = (0.0, 0.0, 0.0, 1.0), joints
@@ -76,7 +76,7 @@ class Instant:
         return joints
 
     def _error(self, side: int, rotation: np.ndarray, position: np.ndarray) -> np.ndarray:
-        """What an ankle lacks (6,): position [m] and rotation vector [rad], in the root's frame."""
+        """Pose error of an ankle (6,): position [m] and rotation vector [rad], in the root's frame."""
         now = self._data.oMi[self._ankles[side]]
         return np.concatenate([position - now.translation, pin.log3(rotation @ now.rotation.T)])
 

@@ -1,7 +1,7 @@
 """Forward kinematics of a tree of revolute joints over a whole motion at once, one pass along the tree.
 
-Inside, time is the last axis of all arrays, so that every step is a few operations on long contiguous rows; what
-leaves this module has time first, as views of the same memory.
+Inside, time is the last axis of all arrays, so that every step is a few operations on long contiguous rows. Returned
+arrays have time first, as views of the same memory.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import numpy as np
 
 
 class Placements(NamedTuple):
-    """Where the joints are: rotations (N, J, 3, 3) and positions (N, J, 3) in the world; joint 1 is the root."""
+    """Poses of the joints: rotations (N, J, 3, 3) and positions (N, J, 3) in the world. Joint 1 is the root."""
 
     rotations: np.ndarray
     positions: np.ndarray
@@ -30,13 +30,13 @@ class Joint(NamedTuple):
 def place_joints(
     joints: dict[int, Joint], count: int, root: tuple[np.ndarray, np.ndarray], angles: np.ndarray
 ) -> Placements:
-    """Place joints from the root outwards; the positions of those that are not asked for are NaN.
+    """Place joints from the root outwards. The positions of all other joints are NaN.
 
     Args:
-        joints: the joints to place by their index in Placements, parents before children.
-        count: number of joints in Placements, the world and the root among them.
+        joints: the joints to place, by their index in Placements, parents before children.
+        count: number of joints in Placements, including the world and the root.
         root: rotations (N, 3, 3) and positions (N, 3) of the root.
-        angles: (N, count - 2) of all joints behind the root [rad].
+        angles: (N, count - 2) angles of all joints after the root [rad].
     """
     rotations = np.empty((3, count, 3, len(angles)))  # world's row, joint, joint's column, time
     positions = np.empty((3, count, len(angles)))
@@ -62,7 +62,7 @@ def axis_rotation(axis: np.ndarray, angles: np.ndarray) -> np.ndarray:
 
 
 def _turn(base: np.ndarray, axis: np.ndarray, sine: np.ndarray, cosine: np.ndarray, out: np.ndarray) -> None:
-    """Write base (3, 3, N) times the rotation about a unit axis (3,), of sine and cosine (N,), into out (3, 3, N)."""
+    """Write base (3, 3, N) times the rotation about a unit axis (3,) with sine and cosine (N,) into out (3, 3, N)."""
     along = int(np.argmax(np.abs(axis)))
     if abs(axis[along]) == 1.0:  # about a coordinate axis: one column stays, two turn into each other
         one, other, sine = (along + 1) % 3, (along + 2) % 3, sine * axis[along]

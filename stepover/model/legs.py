@@ -1,8 +1,8 @@
 """Inverse kinematics of six-joint legs over whole trajectories at once: step 4 of Algorithm 1.
 
-One method, Leg.inverse, and the solvers behind it: closed forms where the axes of the hip meet, and those of the ankle
-(yaw-roll-pitch-knee-pitch-roll, as HRP-2 has it, here; any other order in meeting_axes), and a damped Newton iteration
-for any other six-joint leg.
+Leg.inverse chooses a solver. There are closed forms for legs whose hip axes meet in a point and whose ankle axes do
+too: for HRP-2's order yaw-roll-pitch-knee-pitch-roll here, for any other order in meeting_axes. All other six-joint
+legs use a damped Newton iteration.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from stepover.model.kinematics import axis_rotation
 from stepover.model.meeting_axes import MeetingAxes
 
 KNEE = 3
-"""Position of the knee among a leg's joints: robot.toml is refused where it is another."""
+"""Position of the knee among a leg's joints. A robot.toml with another position is rejected."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +43,7 @@ class Leg:
     rest: np.ndarray
 
     def __post_init__(self) -> None:
-        """Refuse what is not one chain of six joints that hangs on the root."""
+        """Reject joints that are not one chain of six joints from the root."""
         parents = ["root_joint", *self.joints[:-1]]
         if len(self.joints) != 6 or [self.body.origin(joint)[2] for joint in self.joints] != parents:
             raise InvalidInput(
@@ -76,7 +76,7 @@ class Leg:
 
     @cached_property
     def meeting_axes(self) -> MeetingAxes | None:
-        """What the other closed form needs: where hip axes meet and ankle axes meet, in any order; else None."""
+        """Data of the closed form for any order of axes; None if the hip axes or the ankle axes do not meet."""
         return MeetingAxes.of(self._chain)
 
     @property
@@ -96,7 +96,7 @@ class Leg:
         return ankle, axes, centres
 
     def inverse(self, waist: np.ndarray, sole: np.ndarray, time: np.ndarray | None = None) -> np.ndarray:
-        """Joint angles that put the sole where it shall be. Joint limits are judged elsewhere.
+        """Joint angles that put the sole at its target. Joint limits are checked elsewhere.
 
         Args:
             waist: (N, 7) poses of the root.
@@ -107,7 +107,7 @@ class Leg:
             (N, 6) joint angles [rad].
 
         Raises:
-            OutOfReach: a target is out of reach; names the joint and, with time, when.
+            OutOfReach: a target is out of reach. The message names the joint and, if `time` is given, the time.
         """
         if not self.is_closed_form:
             angles, excess = self.attempt(waist, sole)
@@ -118,7 +118,7 @@ class Leg:
         return self._angles(bent)
 
     def attempt(self, waist: np.ndarray, sole: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """As inverse, without raising: angles (N, 6), and how far each target is out of reach (N,) [m] or 0."""
+        """Like inverse, but without errors: angles (N, 6), and how far each target is out of reach (N,) [m] or 0."""
         if self.is_closed_form:
             return self._closed_form(waist, sole)
         if self.meeting_axes is not None:
@@ -126,7 +126,7 @@ class Leg:
         return self._newton(waist, sole)
 
     def knee(self, waist: np.ndarray, sole: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """As attempt, for the knee's angle (N,) alone."""
+        """Like attempt, but only the knee's angle (N,)."""
         if self.is_closed_form:
             bent = self._bend(waist, sole)
             return _wrapped(bent.knee), bent.excess
@@ -134,7 +134,7 @@ class Leg:
         return angles[:, KNEE], excess
 
     def _require_reach(self, excess: np.ndarray, time: np.ndarray | None) -> None:
-        """Raise OutOfReach where a target is out of reach by some excess (N,) [m]."""
+        """Raise OutOfReach if a target is out of reach, with an excess (N,) above 0 [m]."""
         worst = int(np.argmax(excess))
         if excess[worst] > 0.0:
             when = f"sample {worst}" if time is None else f"t = {time[worst]:.3f} s"
@@ -214,7 +214,7 @@ class Leg:
 
 
 class _Bend(NamedTuple):
-    """What the closed form knows of N postures before it turns to the hip.
+    """Intermediate result of the closed form for N postures, before the hip.
 
     Attributes:
         waist_r, foot_r: (N, 3, 3) rotations.

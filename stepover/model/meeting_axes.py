@@ -1,7 +1,8 @@
 """Closed-form inverse kinematics of legs whose hip axes meet in one point, and whose ankle axes meet in another.
 
-The hip's three axes may come in any order, the ankle's two as well, and the knee may stand off the straight line
-between them. Seen from the ankle, knee and roll say where the hip is; what is left to turn is the hip's alone.
+The hip's three axes may have any order, and so may the ankle's two. The knee may lie off the straight line between
+them. In the ankle's frame, knee and ankle angles determine the place of the hip. The remaining rotation belongs to the
+hip.
 """
 
 from __future__ import annotations
@@ -16,18 +17,18 @@ from stepover.model import pose
 from stepover.model.kinematics import axis_rotation
 
 TOLERANCE = 1e-9
-"""Of axes and offsets [m]: what a URDF rounds."""
+"""Tolerance of axes and offsets [m], for the rounding in a URDF."""
 X, Y, _ = np.eye(3)
 
 
 class MeetingAxes(NamedTuple):
-    """What the closed form has to know of a leg.
+    """Data of a leg for the closed form.
 
     Attributes:
-        hip: (3,) where its axes meet, in the root's frame [m].
+        hip: (3,) point where the hip's axes meet, in the root's frame [m].
         order: the hip's axes, such as "YXZ" for pitch, roll, yaw.
         rolls_first: whether the ankle's roll comes before its pitch.
-        signs: (6,) +1 or -1: which way each joint turns about its axis.
+        signs: (6,) +1 or -1: direction in which each joint turns about its axis.
         thigh, shank: hip to knee and knee to ankle seen from the side, as complex numbers z + i x [m].
         lateral: hip beside the ankle along the pitch axes [m].
     """
@@ -42,7 +43,7 @@ class MeetingAxes(NamedTuple):
 
     @staticmethod
     def of(chain: Sequence[tuple[np.ndarray, np.ndarray, np.ndarray]]) -> MeetingAxes | None:
-        """What it has to know, from fixed rotation, translation and axis of the six joints; None for another leg."""
+        """The data from fixed rotation, translation and axis of the six joints; None if the axes do not meet."""
         rotations, origins, axes = (np.array(part) for part in zip(*chain, strict=True))
         letters = "".join("XYZ"[k] for k in np.abs(axes).argmax(axis=1))
         together = origins[[1, 2, 5]]
@@ -67,7 +68,7 @@ class MeetingAxes(NamedTuple):
             waist: (N, 7) poses of the root.
             sole: (N, 7) poses of the sole frame.
             ankle_height: ankle above the sole [m].
-            bends: knee angle [rad] of a posture that bends the same way.
+            bends: knee angle of a posture that bends in the wanted direction [rad].
         """
         waist_r, foot_r = pose.rotation(waist), pose.rotation(sole)
         hip, ankle = waist[:, :3] + waist_r @ self.hip, sole[:, :3] + foot_r @ [0.0, 0.0, ankle_height]
@@ -89,7 +90,7 @@ class MeetingAxes(NamedTuple):
         return float(np.angle(self.thigh / self.shank))
 
     def _knee(self, reach: np.ndarray, bends: float) -> tuple[np.ndarray, np.ndarray]:
-        """Turn of the knee about y for a distance (N,) of hip and ankle from the side, and what is out of reach."""
+        """Turn of the knee about y for a distance (N,) between hip and ankle from the side, and the missing reach."""
         thigh, shank = abs(self.thigh), abs(self.shank)
         excess = np.maximum(np.maximum(reach - thigh - shank, abs(thigh - shank) - reach), 0.0)
         bend = np.arccos(np.clip((reach**2 - thigh**2 - shank**2) / (2.0 * thigh * shank), -1.0, 1.0))
@@ -97,7 +98,7 @@ class MeetingAxes(NamedTuple):
         return self.straight + way * bend, excess
 
     def _roll_before_pitch(self, seen: np.ndarray, leg: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Roll and pitch of the ankle (N,) each, for the hip seen from the foot and from the shank; what is short."""
+        """Roll and pitch of the ankle (N,) for the hip seen from the foot and from the shank, and the missing reach."""
         radius = np.hypot(self.lateral, leg.real)
         roll = np.arcsin(np.clip(seen[:, 1] / radius, -1.0, 1.0)) - np.arctan2(self.lateral, leg.real)
         upright = np.cos(roll) * leg.real - np.sin(roll) * self.lateral + 1j * leg.imag

@@ -1,4 +1,4 @@
-"""The obstacle of Sec. III: a rectangular beam across the way, with a safety margin around it."""
+"""The obstacle of Sec. III: a rectangular beam across the path, with a safety margin around it."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from stepover.errors import InvalidInput
 
 LATERAL_HALF_EXTENT = 1.0
-"""Half length of the beam along y [m]: longer than any robot here is wide, so that it is met in profile."""
+"""Half length of the beam along y [m]. The beam is longer than any robot is wide, so only its profile matters."""
 FLOOR_DEPTH = 1.0
 """How far below the floor the obstacle reaches [m]: no way out of a penetration leads downwards."""
 LARGEST = 10.0
@@ -21,17 +21,18 @@ FARTHEST = 20.0
 
 @dataclass(frozen=True)
 class Obstacle:
-    """A beam across the way: o_h, o_w, s_h, s_w of the paper.
+    """A beam across the path: o_h, o_w, s_h, s_w of the paper.
 
     Python's and NumPy's integers and floats are taken, and kept as Python floats.
 
     Attributes:
-        height: o_h [m], of the bare obstacle.
-        width: o_w [m], along the walking direction, of the bare obstacle.
-        margin_height: s_h [m], above it.
-        margin_width: s_w [m], before it and again behind it.
-        distance: front face from the point between the ankles at the start [m]; None: where the nominal steps lead.
-        yaw: how far the beam is turned to the left, about the point where the path meets its front face [rad].
+        height: height o_h of the bare obstacle [m].
+        width: width o_w of the bare obstacle along the walking direction [m].
+        margin_height: safety margin s_h above the obstacle [m].
+        margin_width: safety margin s_w before the obstacle, and the same behind it [m].
+        distance: distance of the front face from the point between the ankles at the start [m]; None: set by the
+            nominal steps.
+        yaw: rotation of the beam to the left, about the point where the path meets its front face [rad].
 
     Raises:
         InvalidInput: a value that is not a real number; a height, width or distance that is not positive; a negative
@@ -47,7 +48,7 @@ class Obstacle:
     yaw: float = 0.0
 
     def __post_init__(self) -> None:
-        """Refuse what is no obstacle."""
+        """Reject invalid sizes."""
         for name, positive in (("height", True), ("width", True), ("margin_height", False), ("margin_width", False)):
             object.__setattr__(self, name, _length(name, getattr(self, name), positive, LARGEST))
         if self.distance is not None:
@@ -56,7 +57,7 @@ class Obstacle:
 
     @property
     def safe_height(self) -> float:
-        """Height with its margin [m]: h' of the trajectory generator."""
+        """Height with the margin [m]: h' of the trajectory generator."""
         return self.height + self.margin_height
 
     @property
@@ -65,21 +66,21 @@ class Obstacle:
         return self.width + 2.0 * self.margin_width
 
     def profile(self, front: float, margins: bool) -> np.ndarray:
-        """Rectangle that must stay free, with the front face at x = front, in the frame of an obstacle that is turned.
+        """Rectangle of the obstacle with the front face at x = front. A turned obstacle has its own frame.
 
         Args:
             front: x of the bare obstacle's front face [m].
-            margins: with the safety margins or bare.
+            margins: whether to include the safety margins.
 
         Returns:
-            (4,) array x_min, x_max, z_min, z_max [m]. It reaches below the floor, so that the way out of
-            it never leads through the ground.
+            (4,) array x_min, x_max, z_min, z_max [m]. It reaches below the floor, so that the shortest exit never
+            leads through the ground.
         """
         side, top = (self.margin_width, self.margin_height) if margins else (0.0, 0.0)
         return np.array([front - side, front + self.width + side, -FLOOR_DEPTH, self.height + top])
 
     def as_advice(self) -> str:
-        """Say that this one can be crossed, for error messages."""
+        """A statement that this obstacle can be crossed, for error messages."""
         place = "" if self.distance is None else f" at a distance of {self.distance:.3f} m"
         return (
             f"the nearest obstacle that can be stepped over is {self.height:.3f} m high, {self.width:.3f} m wide{place}"

@@ -38,7 +38,7 @@ def turns(poses: np.ndarray) -> np.ndarray:
     here, there = poses[:-1, 3:].T, poses[1:, 3:].T
     vector = here[3] * there[:3] - there[3] * here[:3] - np.cross(here[:3], there[:3], axis=0)
     scalar, sine = (here * there).sum(axis=0), np.sqrt((vector**2).sum(axis=0))
-    way = np.where(scalar < 0.0, -2.0, 2.0)  # of the two ways round, the shorter one
+    way = np.where(scalar < 0.0, -2.0, 2.0)  # the shorter of the two rotations
     factor = np.divide(way * np.arctan2(sine, np.abs(scalar)), sine, out=way.copy(), where=sine > 0.0)
     return np.asarray((factor * vector).T)
 
@@ -64,9 +64,10 @@ def unit(quaternion: Sequence[float]) -> Quaternion:
 
 
 def product(first: Sequence[float], second: Sequence[float]) -> Quaternion:
-    """The rotation by the second unit quaternion, and then that by the first.
+    """The rotation by the second unit quaternion, followed by that by the first.
 
-    In the order of scipy's sums, so that both are equal to the bit; its Rotation takes thirty times as long for one.
+    The order of the sums is that of scipy, so that both results are equal to the bit. For a single rotation, scipy's
+    Rotation takes thirty times as long.
     """
     (ax, ay, az, aw), (bx, by, bz, bw) = first, second
     return unit((
@@ -89,6 +90,6 @@ def axes(quaternion: Sequence[float]) -> np.ndarray:
 
 
 def cross(a: Sequence[float], b: Sequence[float]) -> np.ndarray:
-    """Cross product (3,) of two single vectors, for which np.cross takes ten times as long."""
+    """Cross product (3,) of two single vectors. np.cross takes ten times as long."""
     (ax, ay, az), (bx, by, bz) = a, b
     return np.array([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx])

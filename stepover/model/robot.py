@@ -1,4 +1,4 @@
-"""A robot: its URDF, the facts that a URDF cannot say, and the parameters that it is planned and simulated with."""
+"""A robot: its URDF, the facts that a URDF cannot contain, and the parameters for planning and simulation."""
 
 from __future__ import annotations
 
@@ -33,22 +33,22 @@ from stepover.model.parameters.scaling import Size
 from stepover.model.parameters.stabilizer import Stabilization
 
 FACTS = ("root", "legs", "foot", "outline", "posture", "upper_body")
-"""What a motion is planned for, beside URDF and meshes."""
+"""Facts that enter the fingerprint, beside URDF and meshes."""
 
 
 @dataclass(frozen=True, eq=False)
 class Robot:
-    """Everything that the planner and the simulation know of a robot: facts, and parameters with HRP-2's as defaults.
+    """A robot for the planner and the simulation: its facts, and its parameters, whose defaults are HRP-2's.
 
     Attributes:
-        name: as it goes into a motion.
-        urdf_path: where its URDF is.
-        body: the multi-body model that the URDF describes.
+        name: name of the robot; motions store it.
+        urdf_path: path of the URDF.
+        body: multi-body model described by the URDF.
         root: name of the root link, the waist.
-        legs, foot, outline, posture, upper_body: what the URDF cannot say.
+        legs, foot, outline, posture, upper_body: facts that a URDF cannot contain.
         walk, feasibility, stepping_over, preview, adaptor, beyond_paper, checks, quasi_static: parameters of planners.
         simulation, servo, sole, stabilizer: parameters of the physics and of the stabilizer.
-        slow: the tables that are others where the joints' speed limits are to be kept.
+        slow: tables that replace others if the plan must keep the joints' speed limits.
     """
 
     name: str
@@ -105,15 +105,15 @@ class Robot:
 
     @cached_property
     def leg_shapes(self) -> dict[int, list[int]]:
-        """Which of shapes are on the leg of a side, +1 left, -1 right: their indices."""
+        """Indices of the shapes on the leg of a side, +1 left, -1 right."""
         joints = {side: {self.body.index(joint) for joint in self.leg(side).joints} for side in (1, -1)}
         return {side: [k for k, shape in enumerate(self.shapes) if shape.joint in own] for side, own in joints.items()}
 
     @cached_property
     def own_pairs(self) -> list[tuple[Shape, Shape]]:
-        """Shapes that may not meet: of the two legs, and of the arms with trunk and legs.
+        """Pairs of shapes that must not touch: of the two legs, and of the arms with trunk and legs.
 
-        An arm is what moves with a shoulder of upper_body; its first link with a shape, the shoulder, sits on the
+        An arm is all that moves with a shoulder of upper_body. Its first link with a shape, the shoulder, touches the
         trunk and is left out.
         """
         indices = [{self.body.index(joint) for joint in leg} for leg in (self.legs.left, self.legs.right)]
@@ -134,7 +134,7 @@ class Robot:
 
     @cached_property
     def slowed(self) -> Robot:
-        """The robot as it moves where the joints' speed limits are to be kept."""
+        """The robot with the parameters for plans that keep the joints' speed limits."""
         return replace(self, **self.slow)
 
     def leg(self, side: int) -> Leg:
@@ -164,7 +164,7 @@ class Robot:
 
     @cached_property
     def size(self) -> Size:
-        """What defaults scale with."""
+        """The sizes that defaults scale with."""
         leg, (back, front) = self.leg(1), self.foot.contact_x
         turn = leg.meeting_axes.signs[KNEE] * leg.meeting_axes.straight if leg.meeting_axes else 0.0
         return Size(
@@ -177,7 +177,7 @@ class Robot:
         )
 
     def rest_zmp(self) -> np.ndarray:
-        """Where the ZMP rests in half-sitting (2,): under the CoM, from the midpoint of the ankles [m]."""
+        """ZMP in half-sitting (2,), from the midpoint of the ankles [m]. It is under the CoM."""
         return self._rest_zmp.copy()
 
     @cached_property

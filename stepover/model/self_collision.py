@@ -1,4 +1,4 @@
-"""Distances between the robot's own links: boxes for most, separating axes for some, coal for what is left."""
+"""Distances between the robot's own links: by boxes for most pairs, separating axes for some, coal for the rest."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from stepover.model.kinematics import Placements
 def self_clearance(
     pairs: list[tuple[Shape, Shape]], placements: Placements, every: int, up_to: float = np.inf
 ) -> tuple[float, str, str, int]:
-    """Smallest signed distance [m] between pairs of the robot's own shapes, their links, and the sample at which.
+    """Smallest signed distance between pairs of the robot's own shapes [m], with their links and the sample.
 
     Args:
-        pairs: which shapes may not meet.
-        placements: of all joints.
-        every: which samples to look at.
-        up_to: distances larger than that are not told apart [m]; then one of them comes back.
+        pairs: pairs of shapes that must not touch.
+        placements: placements of all joints.
+        every: step between the samples to test.
+        up_to: if all distances are larger than this [m], the result is one of them, not always the smallest.
     """
     look = Placements(placements.rotations[::every], placements.positions[::every])
     bounds = _lower_bounds(pairs, look, up_to)
@@ -28,8 +28,8 @@ def self_clearance(
 def _lower_bounds(pairs: list[tuple[Shape, Shape]], look: Placements, up_to: float) -> np.ndarray:
     """Lower bounds (pairs, n) of the distances [m].
 
-    Boxes along the root's axes first, since the legs hang side by side from it: most pairs are apart by those that hold
-    a shape throughout. Where boxes meet, the directions of the shapes' own edges.
+    Boxes along the root's axes come first, since the legs hang side by side from the root. Most pairs are separated by
+    boxes that contain a shape at all samples. If boxes intersect, the directions of the shapes' own edges are used.
     """
     shapes = list({id(shape): shape for pair in pairs for shape in pair}.values())
     row = {id(shape): k for k, shape in enumerate(shapes)}

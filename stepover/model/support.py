@@ -1,4 +1,4 @@
-"""The support polygon: where the ZMP may be. Sec. II-B, Eqs. (10)-(12)."""
+"""The support polygon, in which the ZMP must lie. Sec. II-B, Eqs. (10)-(12)."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ def zmp_margin(
     """Distance (N,) [m] of the ZMP from the edge of the support polygon, negative outside.
 
     The polygon is the contact patch of the stance foot, or the convex hull of both patches in double support.
-    It is constant from one change of support to the next.
+    It is constant between two changes of support.
 
     Args:
         robot: the robot, for its contact patches.

@@ -1,1 +1,1 @@
-"""How hard the leading foot lands, and what softens it. Sec. II-C and III-B."""
+"""The landing force of the leading foot, and how to reduce it. Sec. II-C and III-B."""

@@ -1,6 +1,6 @@
-"""A control that stops the descent of leg 1's foot when it meets the floor: what Sec. II-C does not have.
+"""Landing control: stops the descent of leg 1's foot when it meets the floor. The paper has no such control (II-C).
 
-It wraps whatever gives the commands, the stabilizer or the plan itself, and sees no more than they do.
+It wraps the source of the commands, which is the stabilizer or the plan, and uses only the same readings.
 """
 
 from __future__ import annotations
@@ -16,36 +16,36 @@ from stepover.motion.motion import Motion
 from stepover.simulation.commands import Controller
 
 THRESHOLD = 50.0
-"""N at which the landing control takes the foot for landed: 9 % of HRP-2's weight."""
+"""Force at which the landing control considers the foot landed [N]: 9 % of HRP-2's weight."""
 
 
 class AsPlanned:
-    """A controller that gives a motion as it is."""
+    """A controller that returns the planned motion unchanged."""
 
     estimate: Estimate | None = None
 
     def __init__(self, motion: Motion) -> None:
-        """Read the motion."""
+        """Store the motion."""
         self._joints = motion.q[:, 7:]
 
     def command(self, sample: int, sensed: Sensed) -> np.ndarray:
-        """Joint angles (nq - 7,) [rad]: nothing is sensed."""
+        """Planned joint angles (nq - 7,) [rad]. Readings are ignored."""
         return np.asarray(self._joints[sample])
 
 
 class LandingControl:
-    """Stops the descent of leg 1 once its foot bears a load, and then gives the foot back to what it wraps.
+    """Stops the descent of leg 1 once its foot bears a load, and later returns the foot to the wrapped controller.
 
-    A foot that lands early would go on pushing down until the planned touch-down. From the first reading above the
-    threshold on, the sole is told to stay as high as it was told last, seen from the planned waist; over the double
-    support, before leg 2 lifts off, what this holds back fades linearly.
+    Otherwise a foot that lands early would push down until the planned touch-down. After the first reading above the
+    threshold, the sole keeps its last commanded height, relative to the planned waist. The correction fades linearly
+    over the double support, before leg 2 lifts off.
 
     Attributes:
-        stopped: sample of the command that was the first to be held, or None.
+        stopped: sample of the first held command, or None.
     """
 
     def __init__(self, robot: Robot, motion: Motion, inner: Controller, threshold: float = THRESHOLD) -> None:
-        """Wrap what gives the commands; threshold [N]."""
+        """Wrap a source of commands, with a threshold [N]."""
         step = motion.footsteps.of_kind(LEG_1)
         self._inner, self._motion, self._threshold, self._side = inner, motion, threshold, int(step.side[0])
         self._touch_down = round((step.time[0] - motion.time[0]) / motion.dt)
@@ -57,11 +57,11 @@ class LandingControl:
 
     @property
     def estimate(self) -> Estimate | None:
-        """Of what is wrapped."""
+        """Estimate of the wrapped controller."""
         return self._inner.estimate
 
     def command(self, sample: int, sensed: Sensed) -> np.ndarray:
-        """Joint angles (nq - 7,) [rad] for one sample: those of what is wrapped, with the landing foot held."""
+        """Joint angles (nq - 7,) [rad] for one sample: those of the wrapped controller, with the landing foot held."""
         joints = np.array(self._inner.command(sample, sensed))
         columns = np.array(self._leg.columns) - 7
         waist = self._motion.waist[sample, None]
@@ -78,7 +78,7 @@ class LandingControl:
         return joints
 
     def lift(self, sample: int, height: float) -> float:
-        """How far the sole is held above the height that it is told at a sample [m]."""
+        """Height of the held sole above its commanded height at a sample [m]."""
         if self.stopped is None:
             return 0.0
         left = 1.0 - max(sample - self._touch_down, 0) / self._release

@@ -1,9 +1,9 @@
-"""The force under leg 1 when it lands, at every time step of the physics, with or without what a robot has.
+"""The force under leg 1 when it lands, at every time step of the physics.
 
-The floor's vertical force on the landing foot is read at every time step and averaged over the 5 ms that end there;
-there is no other filter. The peak is the largest from the middle of the swing until the weight has moved over: on
-rubber that takes longer than the landing window of simulate, at whose end the force still rises. The touch-down
-alone is the largest in the first moments after the first contact.
+The floor's vertical force on the landing foot is read at every time step and averaged over the last 5 ms. There is no
+other filter. The peak is the largest force from the middle of the swing until the weight has moved to the foot. On
+rubber this takes longer than the landing window of simulate, at whose end the force still rises. The touch-down force
+is the largest force in the first moments of contact.
 """
 
 from __future__ import annotations
@@ -25,30 +25,30 @@ from stepover.simulation.loop import carry_out
 from stepover.simulation.observers import Observer, Sample
 
 AVERAGED = 0.005
-"""s: forces are means over this time."""
+"""Time over which forces are averaged [s]."""
 TOUCHED = 20.0
-"""N, a mean over AVERAGED: from there on the foot touches the floor."""
+"""Averaged force from which on the foot counts as touching the floor [N]."""
 TOUCH_DOWN = 0.03
-"""s after the first contact that count as the touch-down."""
+"""Time after the first contact that counts as touch-down [s]."""
 SETTLED = 0.25
-"""s after the planned touch-down, by which the weight has moved over: so long the force is read."""
+"""Time after the planned touch-down until which the force is read [s]. By then the weight has moved to the foot."""
 
 
 @dataclass(frozen=True, eq=False)
 class Landing:
-    """What happened when leg 1 landed. SI units; n time steps, time zero at the planned touch-down.
+    """Measurements of leg 1's landing in SI units, for n time steps. Time zero is the planned touch-down.
 
     Attributes:
         time: (n,) [s].
         raw: (n,) vertical force of the floor on the landing foot in each time step [N].
         force: (n,) the same as a mean over AVERAGED [N].
-        weight: of the robot [N].
+        weight: weight of the robot [N].
         contact: time of the first contact [s].
-        speed: the foot's descent just before that, a mean over AVERAGED [m/s].
-        touch_down: largest force (a mean) in the first TOUCH_DOWN of contact [N].
-        peak: largest force (a mean) at all [N].
-        peak_time: when [s].
-        fell: why the robot counts as fallen until then; empty where it stands.
+        speed: the foot's speed of descent just before contact, a mean over AVERAGED [m/s].
+        touch_down: largest averaged force in the first TOUCH_DOWN of contact [N].
+        peak: largest averaged force [N].
+        peak_time: time of the peak [s].
+        fell: why the robot counts as fallen; empty if it stands.
     """
 
     time: np.ndarray

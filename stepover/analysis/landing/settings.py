@@ -1,4 +1,4 @@
-"""How landings are simulated: motors, soles, floor and control, each a variation with a name. Sec. II-C, III-B."""
+"""Settings of simulated landings: named variations of motors, soles, floor and control. Sec. II-C, III-B."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from stepover.motion.motion import Motion
 
 @dataclass(frozen=True)
 class Setting:
-    """How a landing is simulated. Factors are of the robot's parameters.
+    """Setting of a simulated landing. Factors multiply the robot's parameters.
 
     Attributes:
         sole, limited, stabilizer, control: as in land.
-        rubber_stiffness, rubber_damping: vertical, factors.
-        rubber_tilt: of the tilt's stiffness and damping, a factor.
-        servo: of the legs' stiffness, a factor.
-        time_step: of the physics, a factor.
+        rubber_stiffness, rubber_damping: factors of the rubber's vertical stiffness and damping.
+        rubber_tilt: factor of the rubber's stiffness and damping in tilt.
+        servo: factor of the legs' servo stiffness.
+        time_step: factor of the physics' time step.
         ground: height of the floor under the foothold of leg 1 [m].
     """
 
@@ -35,7 +35,7 @@ class Setting:
     ground: float = 0.0
 
     def of(self, robot: Robot) -> Robot:
-        """The robot that it makes of a robot."""
+        """The robot with the factors applied."""
         sole, servo, physics = robot.sole, robot.servo, robot.simulation
         return dataclasses.replace(
             robot,
@@ -50,14 +50,14 @@ class Setting:
         )  # fmt: skip
 
     def land(self, robot: Robot, motion: Motion) -> Landing:
-        """Let a motion land so."""
+        """Simulate the landing of a motion with this setting."""
         perturb = {"ground_leg_1": self.ground} if self.ground else {}
         return land(self.of(robot), motion, limited=self.limited, sole=self.sole, stabilizer=self.stabilizer,
                     control=self.control, perturb=perturb)  # fmt: skip
 
     @property
     def assumptions(self) -> int:
-        """In how many ways it differs from servos and stabilizer on the published rubber."""
+        """Number of differences from servos and stabilizer on the published rubber."""
         return sum(getattr(self, field.name) != field.default for field in dataclasses.fields(self))
 
 
@@ -69,12 +69,12 @@ def _varied(base: Setting, names: dict[str, dict[str, float | bool]]) -> dict[st
 RUBBER, RIGID = Setting(), Setting(sole="rigid")
 """Both base cases: servos and stabilizer on rubber as published, and on rigid soles."""
 IDEAL = Setting(sole="rigid", limited=False, stabilizer=False)
-"""As in the paper's simulation."""
+"""The setting of the paper's simulation."""
 BASES = ("rubber as published", "rigid soles")
 NOISY = "rigid, ideal motors"
-"""Where a peak is the contact solver's."""
+"""The setting in which peaks come from the contact solver."""
 FITTED = "rubber: hardly tilts, 5 x damping"
-"""What the paper's pair takes, beside a naive swing that is faster: fitted with the pair known."""
+"""The setting fitted to the paper's pair of forces. The fit also needs a faster naive swing."""
 VARIATIONS = {
     **_varied(RUBBER, {
         BASES[0]: {},
@@ -106,4 +106,4 @@ VARIATIONS = {
     }),
     **_varied(IDEAL, {NOISY: {}, "rigid, ideal motors, 1/2 time step": {"time_step": 0.5}}),
 }  # fmt: skip
-"""Every row of the sensitivity, by name."""
+"""All variations, by name."""

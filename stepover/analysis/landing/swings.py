@@ -1,8 +1,8 @@
-"""Leg 1's swing, shaped and by a fourth-order polynomial, and whole motions with either. Sec. II-C, III-B, Fig. 3.
+"""Swings of leg 1, shaped or by a fourth-order polynomial, and whole motions with them. Sec. II-C, III-B, Fig. 3.
 
-The paper gives no formula for the polynomial. Here it begins and ends at rest on the floor and is as low as the
-margins allow; the foot follows the same path ahead as in the shaped swing, and stays level. With another swing, inverse
-kinematics and the dynamic filter run anew.
+The paper gives no formula for the polynomial. Here it begins and ends at rest on the floor and is as low as the margins
+allow. The foot stays level and moves ahead as in the shaped swing. With another swing, inverse kinematics and the
+dynamic filter run again.
 """
 
 from __future__ import annotations
@@ -28,9 +28,9 @@ from stepover.planning.trajectories import FeetTrajectories, WaistAndFeet
 
 SHAPED, NAIVE, SAME_APEX = "shaped", "naive", "naive, apex of the shaped"
 PROFILES = (SHAPED, NAIVE, SAME_APEX)
-"""Swings of leg 1: clamped spline; fourth order, as low as the margins allow; fourth order, as high as the spline."""
+"""Swings of leg 1: clamped spline; fourth order, as low as the margins allow; fourth order, with the spline's apex."""
 NEAR_FLOOR = 0.010
-"""m: the height at which the speed of the descent is compared."""
+"""Height at which the speeds of descent are compared [m]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,9 +40,9 @@ class Profile:
     Attributes:
         name: one of PROFILES.
         time: (n,) since lift-off [s].
-        height: (n,) of the sole [m].
-        speed: (n,) of the height [m/s].
-        pitch: (n,) toe-down positive [rad].
+        height: (n,) height of the sole [m].
+        speed: (n,) vertical speed of the sole [m/s].
+        pitch: (n,) pitch, positive with the toe down [rad].
     """
 
     name: str
@@ -52,13 +52,13 @@ class Profile:
     pitch: np.ndarray
 
     def speed_near_floor(self, height: float = NEAR_FLOOR) -> float:
-        """Speed of the descent at a height above the floor [m/s], positive downwards."""
+        """Speed of descent at a height above the floor [m/s], positive downwards."""
         down = slice(int(self.height.argmax()), None)
         return float(-np.interp(height, self.height[down][::-1], self.speed[down][::-1]))
 
 
 def planned_in(robot: Robot, obstacle: Obstacle, swing_time: float | None = None) -> Plan:
-    """The plan, or one for the same key configuration whose special steps but for leg 2's take another time.
+    """The plan with another swing time for leg 1 and the steps before and after, and the same key configuration.
 
     Args:
         robot: the robot.
@@ -93,8 +93,8 @@ def lowest_apex(crossing: Crossing, x: np.ndarray, share: np.ndarray) -> float:
 
     Args:
         crossing: robot, obstacle and steps.
-        x: (n,) of the sole frame [m].
-        share: (n,) of the swing's time.
+        x: (n,) forward coordinate of the sole frame [m].
+        share: (n,) share of the swing's time.
     """
     foot = crossing.robot.foot
     back, front, _, top = crossing.limits.rectangle
@@ -110,11 +110,11 @@ def profile_of(crossing: Crossing, name: str) -> Profile:
 
 
 def landing_motion(robot: Robot, obstacle: Obstacle, profile: str, swing_time: float | None = None) -> Motion:
-    """The whole motion with one of the PROFILES for leg 1; see planned_in for the swing time.
+    """The whole motion with one of the PROFILES for leg 1. See planned_in for the swing time.
 
     Raises:
         InvalidInput: an unknown profile.
-        Infeasible: the legs do not reach, or the shaped motion in that time breaks a limit.
+        Infeasible: the legs do not reach, or the shaped motion with this swing time exceeds a limit.
     """
     planned = planned_in(robot, obstacle, swing_time)
     nominal = planned.nominal
@@ -128,9 +128,9 @@ def landing_motion(robot: Robot, obstacle: Obstacle, profile: str, swing_time: f
 
 
 def with_feet(planned: Plan, feet: FeetTrajectories) -> Motion:
-    """A plan's motion with other feet: steps 4 and 6 of Algorithm 1 anew, with as many passes of the filter.
+    """A plan's motion with other feet: runs steps 4 and 6 of Algorithm 1 again, with as many passes of the filter.
 
-    The footholds must stay. Where FTA had something to do, it is not done again.
+    The footholds must be the same. Adaptations by FTA are not repeated.
     """
     crossing, waist, upper = planned.nominal.crossing, planned.nominal.waist, planned.nominal.upper.q
     zmps = []
@@ -147,13 +147,13 @@ def with_feet(planned: Plan, feet: FeetTrajectories) -> Motion:
 
 @dataclass(frozen=True, eq=False)
 class Curves:
-    """Two curves through the control points of leg 1's height, both at rest at their ends.
+    """Two curves through the control points of leg 1's height. Both are at rest at their ends.
 
     Attributes:
         knots: (K, 2) share of the swing's time, height [m].
-        share: (n,) of the swing's time.
+        share: (n,) share of the swing's time.
         spline: (n,) clamped cubic spline [m].
-        polynomial: (n,) of the one polynomial through all control points [m].
+        polynomial: (n,) single polynomial through all control points [m].
     """
 
     knots: np.ndarray
@@ -162,7 +162,7 @@ class Curves:
     polynomial: np.ndarray
 
     def overshoot(self, curve: np.ndarray) -> float:
-        """Furthest that a curve (n,) leaves the range of the two control points around it [m]."""
+        """Largest distance of a curve (n,) outside the range of its two neighbouring control points [m]."""
         after = np.clip(np.searchsorted(self.knots[:, 0], self.share), 1, len(self.knots) - 1)
         ends = np.sort(np.stack([self.knots[after - 1, 1], self.knots[after, 1]]), axis=0)
         return float(np.maximum(ends[0] - curve, curve - ends[1]).max())
@@ -172,16 +172,16 @@ def through_control_points(robot: Robot, obstacle: Obstacle, landing_points: int
     """Spline and polynomial through leg 1's control points: Sec. III-B.
 
     Args:
-        robot: with the shape of the swing.
-        obstacle: with its height and margin.
-        landing_points: how many control points the landing has; None: the robot's own.
+        robot: gives the shape of the swing.
+        obstacle: gives the height with its margin.
+        landing_points: number of control points of the landing; None: the robot's own.
     """
     shape = robot.stepping_over
     if landing_points is not None:
         shape = dataclasses.replace(shape, landing_points=landing_points)
     knots = np.array(leg_1_heights(obstacle, shape))
     share = np.linspace(0.0, 1.0, 2001)
-    nodes = np.concatenate([knots[:1], knots, knots[-1:]])  # an end twice: its value, then its derivative
+    nodes = np.concatenate([knots[:1], knots, knots[-1:]])  # each end appears twice: its value, then its derivative
     values = nodes[:, 1].copy()
     values[[1, -1]] = 0.0
     polynomial = KroghInterpolator(nodes[:, 0], values)(share)

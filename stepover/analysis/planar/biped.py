@@ -1,8 +1,9 @@
 """The planar biped in double support over the obstacle. Sec. II-A, Fig. 2 (top left), Eqs. (1)-(12).
 
-Four links between five points, both soles flat on the floor: x1 the rear ankle, x2 its knee, x3 the hip, x4 and x5 the
-front knee and ankle. With x1 above the origin, three lengths settle the rest: X_ads from ankle to ankle, X_hds from
-the rear ankle to the hip, Z_hds the hip's height. Knees bend forwards. Every function takes arrays of any shape.
+The biped has four links between five points, and both soles are flat on the floor: x1 is the rear ankle, x2 its knee,
+x3 the hip, x4 and x5 the front knee and ankle. With x1 above the origin, three lengths define the posture: X_ads from
+ankle to ankle, X_hds from the rear ankle to the hip, and the hip's height Z_hds. Knees bend forwards. Every function
+takes arrays of any shape.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ class PlanarBiped:
     Attributes:
         thigh, shank: lengths of the links [m].
         ankle_height: ankle above the sole [m].
-        foot: F_W [m], the ankle in its middle.
+        foot: foot length F_W [m]; the ankle is above its middle.
         outline: lines around the shank in the knee's frame, (V, 2) each, x ahead and z up along the shank [m].
         limits: (3, 2) of hip, knee and ankle pitch [rad], in the signs of the robot's joints.
     """
@@ -43,7 +44,7 @@ class PlanarLeg(NamedTuple):
     """A leg with its sole flat and its ankle above x = 0.
 
     Attributes:
-        points: (..., 3, 2) ankle, knee and hip, x and z [m]; the knee is nan where the hip is out of reach.
+        points: (..., 3, 2) ankle, knee and hip, x and z [m]; the knee is NaN if the hip is out of reach.
         angles: (..., 3) of hip, knee and ankle [rad], for an upright waist.
         possible: (...) whether the hip is within reach and the angles within their limits, Eq. (1).
     """
@@ -77,7 +78,7 @@ def planar_biped(robot: Robot) -> PlanarBiped:
 
 
 def planar_leg(biped: PlanarBiped, ahead: np.ndarray, height: np.ndarray) -> PlanarLeg:
-    """A leg whose hip is ahead of its ankle and above the floor by so much [m], (...) each."""
+    """A leg, given how far its hip is ahead of its ankle and above the floor (...) [m]."""
     ahead, rise = np.broadcast_arrays(ahead, np.asarray(height) - biped.ankle_height)
     thigh, shank, distance = biped.thigh, biped.shank, np.hypot(ahead, rise)
     reached = (distance <= thigh + shank) & (distance >= abs(thigh - shank)) & (distance > 0.0)
@@ -93,7 +94,7 @@ def planar_leg(biped: PlanarBiped, ahead: np.ndarray, height: np.ndarray) -> Pla
 
 
 def leg_lines(biped: PlanarBiped, leg: PlanarLeg) -> list[np.ndarray]:
-    """Lines (..., V, 2) of a leg: its two links, and the outline where the biped has one."""
+    """Lines (..., V, 2) of a leg: its two links, and the outline if the biped has one."""
     up = (leg.points[..., 1, :] - leg.points[..., 0, :]) / biped.shank
     ahead = up[..., ::-1] * [1.0, -1.0]
     turn = np.stack([ahead, up], axis=-2)

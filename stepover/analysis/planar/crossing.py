@@ -1,7 +1,7 @@
-"""Do two segments meet? Sec. II-A, Eqs. (5) and (9).
+"""Test whether two segments intersect. Sec. II-A, Eqs. (5) and (9).
 
-Printed, (5) asks for the cross product of the segments' directions to be negative. Read so it cannot be met: o1o2 and
-o3o4 point opposite ways, so their products have opposite signs. What is meant is the test of the paper's [14].
+As printed, (5) requires a negative cross product of the segments' directions. This is impossible: o1o2 and o3o4 point
+in opposite directions, so their products have opposite signs. The test meant is that of the paper's reference [14].
 """
 
 from __future__ import annotations
@@ -10,10 +10,10 @@ import numpy as np
 
 
 def segments_meet(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray) -> np.ndarray:
-    """Whether the segments from a to b and from c to d (..., 2) have a point in common, Eqs. (5) and (9).
+    """Whether the segments from a to b and from c to d (..., 2) have a common point, Eqs. (5) and (9).
 
-    Two segments cross when the ends of each lie on opposite sides of the other. Touching counts, and so do pieces of
-    the same line that overlap: there all four cross products vanish, and the bounding boxes decide.
+    Two segments cross if the ends of each lie on opposite sides of the other. Touching counts. Overlapping pieces of a
+    line count too: all four cross products are zero, and the bounding boxes decide.
     """
     sides = [np.sign(_cross(q - p, r - p)) for p, q, r in ((a, b, c), (a, b, d), (c, d, a), (c, d, b))]
     boxes = (np.minimum(a, b) <= np.maximum(c, d)) & (np.minimum(c, d) <= np.maximum(a, b))
@@ -21,7 +21,7 @@ def segments_meet(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray) ->
 
 
 def lines_meet(lines: list[np.ndarray], obstacle: np.ndarray) -> np.ndarray:
-    """Whether any piece of some lines (..., V, 2) meets the obstacle's edges o1 ... o4 (..., 4, 2): (...) bool."""
+    """Whether any segment of some lines (..., V, 2) meets the obstacle's edges o1 ... o4 (..., 4, 2): (...) bool."""
     edges = [(obstacle[..., j, :], obstacle[..., j + 1, :]) for j in range(3)]
     pieces = [(line[..., k, :], line[..., k + 1, :]) for line in lines for k in range(line.shape[-2] - 1)]
     return np.any([segments_meet(*piece, *edge) for piece in pieces for edge in edges], axis=0)

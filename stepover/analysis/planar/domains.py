@@ -1,4 +1,4 @@
-"""Feasibility domains as masks over a grid of X_ads and Z_hds, and what the remarks of Sec. II-A say of them."""
+"""Feasibility domains as masks over a grid of X_ads and Z_hds, and the measures for the remarks of Sec. II-A."""
 
 from __future__ import annotations
 
@@ -9,13 +9,12 @@ import numpy as np
 
 @dataclass(frozen=True, eq=False)
 class Domains:
-    """Which pairs of X_ads and Z_hds are feasible.
+    """Feasible pairs of X_ads and Z_hds.
 
     Attributes:
         x_ads: (M,) ascending, equal steps [m].
         z_hds: (N,) ascending, equal steps [m].
-        masks: (N, M) bool by the number of the equation that is applied: 6, 7, 8, and 22 for (7) with
-            X_hds = delta_DS X_ads.
+        masks: (N, M) bool by the number of the equation: 6, 7, 8, or 22 for (7) with X_hds = delta_DS X_ads.
     """
 
     x_ads: np.ndarray
@@ -28,24 +27,24 @@ class Domains:
         return float(self.x_ads[1] - self.x_ads[0]), float(self.z_hds[1] - self.z_hds[0])
 
     def area(self, equation: int) -> float:
-        """Area of a domain [m^2]: Remark 1 compares them."""
+        """Area of a domain [m^2]. Remark 1 compares areas."""
         return float(self.masks[equation].sum() * np.prod(self.cell))
 
     def ranges(self, equation: int) -> np.ndarray:
-        """How much of X_ads is feasible at each height, (N,) [m]."""
+        """Width of the feasible range of X_ads at each height (N,) [m]."""
         return np.asarray(self.masks[equation].sum(axis=1) * self.cell[0])
 
     def limits(self, equation: int, z_hds: float) -> tuple[float, float]:
-        """Shortest and longest feasible X_ads [m] at the grid's height nearest to one; nan where there is none."""
+        """Shortest and longest feasible X_ads [m] at the nearest height of the grid; NaN if none is feasible."""
         found = self.x_ads[self.masks[equation][np.abs(self.z_hds - z_hds).argmin()]]
         return (float(found[0]), float(found[-1])) if len(found) else (np.nan, np.nan)
 
     def trend(self, equation: int) -> tuple[float, float, float]:
-        """Remark 2: how far down does a lower hip widen the range of X_ads?
+        """Remark 2: the heights over which a lower hip widens the range of X_ads.
 
         Returns:
-            The highest feasible Z_hds; the one down to which the range never shrinks by more than a step of the grid;
-            the one with the widest range [m]. nan where nothing is feasible.
+            The highest feasible Z_hds; the lowest Z_hds to which the range never shrinks by more than a step of the
+            grid; the Z_hds with the widest range [m]. NaN if nothing is feasible.
         """
         ranges, heights = self.ranges(equation)[::-1], self.z_hds[::-1]
         if not ranges.any():
@@ -55,5 +54,5 @@ class Domains:
         return float(heights[top]), float(heights[end]), float(heights[widest])
 
     def common_steps(self, first: int = 6, second: int = 8) -> np.ndarray:
-        """X_ads (K,) [m] that two domains share at whatever heights: phase 2 begins and ends with the same step."""
+        """X_ads (K,) [m] in both of two domains, at any heights. Phase 2 begins and ends with the same step length."""
         return np.asarray(self.x_ads[self.masks[first].any(axis=0) & self.masks[second].any(axis=0)])

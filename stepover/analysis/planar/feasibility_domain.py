@@ -1,11 +1,12 @@
 """The feasibility domains of the planar biped over (X_ads, Z_hds). Sec. II-A, Fig. 2.
 
-A pair (X_ads, Z_hds) is feasible when some X_hds and some place of the obstacle between the feet meet the joint
-limits (1), leave the legs free of the obstacle (5), and put the CoM where (6), (7) or (8) wants it.
+A pair (X_ads, Z_hds) is feasible if there are an X_hds and a place of the obstacle between the feet that meet the joint
+limits (1), keep the legs free of the obstacle (5), and satisfy (6), (7) or (8) for the CoM.
 
-The place needs no search. Only what a leg has at or below the obstacle's top can meet it; the rear leg stays behind
-it, the front leg ahead of it; so there is a place when the gap between the two is wider than the obstacle. How far a
-leg reaches depends on where its own hip is, no more: one table over the hip's place serves both legs and every X_ads.
+The place needs no search. Only the parts of a leg at or below the obstacle's top can touch it. The rear leg must stay
+behind the obstacle and the front leg ahead of it. So a place exists if the gap between the legs is wider than the
+obstacle. The extent of a leg depends only on the place of its hip. So one table over the hip's place serves both legs
+and every X_ads.
 """
 
 from __future__ import annotations
@@ -33,14 +34,15 @@ from stepover.model.robot import Robot
 
 @dataclass(frozen=True)
 class Reading:
-    """How the text of II-A is read where it leaves room; the defaults satisfy its sentences best.
+    """Interpretation of II-A where its text is open. The defaults agree best with its statements.
 
     Attributes:
-        outline: the legs are the links with the lines L1 ... L7 of Fig. 1, or the bare links.
-        feet: the obstacle stands clear of the feet, F_W long, or anywhere between the ankles.
-        ankle_height: the ankles are as high as the robot's, or on the floor, as (4) has it.
-        margins: the obstacle has its safety margins, or is bare.
-        hip_share: share of the mass at the hip, the rest in the middle of the four links: 1 puts the CoM at the hip.
+        outline: True: the legs are the links with the lines L1 ... L7 of Fig. 1; False: the bare links.
+        feet: True: the obstacle stands clear of the feet of length F_W; False: anywhere between the ankles.
+        ankle_height: True: the ankles have the robot's height; False: they are on the floor, as in (4).
+        margins: True: the obstacle has its safety margins; False: it is bare.
+        hip_share: share of the mass at the hip; the rest is in the middle of the four links. 1 puts the CoM at the
+            hip.
     """
 
     outline: bool = True
@@ -50,7 +52,7 @@ class Reading:
     hip_share: float = 1.0
 
     def __post_init__(self) -> None:
-        """Refuse what is no share."""
+        """Reject a hip_share outside 0 to 1."""
         if not 0.0 <= self.hip_share <= 1.0:
             raise InvalidInput(f"hip_share = {self.hip_share!r} must lie between 0 and 1")
 
@@ -61,19 +63,19 @@ class Reading:
         return dataclasses.replace(whole, ankle_height=height, outline=whole.outline if self.outline else ())
 
     def box(self, obstacle: Obstacle) -> tuple[float, float]:
-        """Width and height [m] of what must stay free."""
+        """Width and height of the space to keep free [m]."""
         with_margins = obstacle.safe_depth, obstacle.safe_height
         return with_margins if self.margins else (obstacle.width, obstacle.height)
 
 
 class Taken(NamedTuple):
-    """What a leg takes up, (...) each, its ankle above x = 0.
+    """Extent of a leg whose ankle is above x = 0, (...) each.
 
     Attributes:
         hip: x of the hip [m].
-        ahead, behind: how far foot and leg reach ahead and behind at or below the obstacle's top [m].
+        ahead, behind: extent of foot and leg ahead and behind, at or below the obstacle's top [m].
         centre: mean x of the middles of the two links [m].
-        possible: the hip is within reach and above the obstacle, the joints within their limits, Eq. (1).
+        possible: whether the hip is within reach and above the obstacle, and the joints within their limits, Eq. (1).
     """
 
     hip: np.ndarray
@@ -95,16 +97,16 @@ def feasibility_domains(
     """Fig. 2: the domains under (6), (7) and (8), and under (7) with X_hds = delta_DS X_ads, Eq. (22).
 
     Args:
-        robot: for its legs, and for delta_DS.
-        obstacle: bare or with its margins, as the reading says.
-        reading: of the text; the default satisfies its sentences best.
-        points: of the grid along X_ads, from 0, and along Z_hds.
+        robot: gives the legs and delta_DS.
+        obstacle: the obstacle. `reading` decides whether its margins count.
+        reading: interpretation of the paper's text; default: the one that agrees best with its statements.
+        points: number of grid points along X_ads, from 0, and along Z_hds.
         x_ads_max: longest X_ads [m].
         z_hds: lowest and highest Z_hds [m].
-        finer: steps of X_hds in a step of X_ads.
+        finer: number of steps of X_hds in a step of X_ads.
 
     Raises:
-        InvalidInput: fewer than two points, a step that is not divided, or ranges that are none.
+        InvalidInput: fewer than two points, a `finer` below 1, or ranges that are not positive and rising.
     """
     if points < 2 or finer < 1 or not 0.0 < z_hds[0] < z_hds[1] < np.inf or not 0.0 < x_ads_max < np.inf:
         raise InvalidInput("a grid needs two points or more, finer = 1 or more, and rising positive ranges")
@@ -116,7 +118,7 @@ def feasibility_domains(
     table = taken(biped, reading, obstacle, np.arange(-reach, reach + 1) * fine, heights[:, None])
     masks = {equation: np.zeros((points, points), bool) for equation in (6, 7, 8)}
     for i, x_ads in enumerate(steps):
-        shift = min(i * finer, 2 * reach + 1)  # in the table: the front leg's hip is X_ads less far ahead
+        shift = min(i * finer, 2 * reach + 1)  # in the table: the front leg's hip is less far ahead by X_ads
         rear = Taken(*(part[:, shift:] for part in table))
         front = Taken(*(part[:, : 2 * reach + 1 - shift] for part in table))
         for equation, good in feasible(biped, reading, obstacle, x_ads, rear, front).items():
@@ -127,7 +129,7 @@ def feasibility_domains(
 
 
 def taken(biped: PlanarBiped, reading: Reading, obstacle: Obstacle, ahead: np.ndarray, height: np.ndarray) -> Taken:
-    """What a leg takes up whose hip is ahead of its ankle and above the floor by so much [m], (...) each."""
+    """Extent of a leg, given how far its hip is ahead of its ankle and above the floor (...) [m]."""
     leg, top = planar_leg(biped, ahead, height), reading.box(obstacle)[1]
     x = leg.points[..., 0]
     back, front = np.zeros((2, *x.shape[:-1]))
@@ -143,13 +145,13 @@ def taken(biped: PlanarBiped, reading: Reading, obstacle: Obstacle, ahead: np.nd
 def feasible(
     biped: PlanarBiped, reading: Reading, obstacle: Obstacle, x_ads: np.ndarray | float, rear: Taken, front: Taken
 ) -> dict[int, np.ndarray]:
-    """Which postures meet (1), (5) and, by its number, (6), (7) or (8): (...) bool each.
+    """Postures that satisfy (1), (5) and, by number, (6), (7) or (8): (...) bool each.
 
-    X_hds is the rear leg's hip; the front leg's is X_ads less far ahead of its own ankle.
+    X_hds is the hip ahead of the rear ankle. The hip is ahead of the front ankle by X_ads less.
     """
     gap = x_ads - front.behind - rear.ahead
     free = rear.possible & front.possible & (gap > reading.box(obstacle)[0])
-    x_ads = np.broadcast_to(x_ads, free.shape)[free]  # where the CoM is matters only there
+    x_ads = np.broadcast_to(x_ads, free.shape)[free]  # the place of the CoM only matters there
     links = (rear.centre[free] + x_ads + front.centre[free]) / 2.0
     com = reading.hip_share * rear.hip[free] + (1.0 - reading.hip_share) * links
     masks = {equation: np.zeros_like(free) for equation in (6, 7, 8)}
@@ -160,7 +162,7 @@ def feasible(
 
 
 def _below(a: np.ndarray, b: np.ndarray, top: float) -> tuple[np.ndarray, np.ndarray]:
-    """Least and largest x of what the segments from a to b (..., 2) have at or below a height; nan where nothing."""
+    """Least and largest x of the parts of segments from a to b (..., 2) at or below a height; NaN if there are none."""
     (x, z), (other_x, other_z) = np.moveaxis(a, -1, 0), np.moveaxis(b, -1, 0)
     rise = np.where(z == other_z, np.inf, other_z - z)
     at_top = x + np.clip((top - z) / rise, 0.0, 1.0) * (other_x - x)

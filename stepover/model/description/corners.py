@@ -1,4 +1,4 @@
-"""Corners of the shapes that a URDF gives a link to collide with: its own, or those of a hull around what is round."""
+"""Corners of a URDF's collision shapes. Round shapes get the corners of a hull around them."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from scipy.spatial import ConvexHull
 from stepover.model.description.links import BOX, SPHERE
 
 SIDES = 16
-"""Of the prism around a cylinder: its edges stand out by 2 % of the radius."""
+"""Number of sides of the prism around a cylinder. Its edges stand out by 2 % of the radius."""
 
 
 def corners_of(kind: str, size: tuple[float, ...]) -> np.ndarray:
