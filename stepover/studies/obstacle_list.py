@@ -10,9 +10,12 @@ from itertools import product
 from pathlib import Path
 
 from stepover.errors import InvalidInput
+from stepover.locations import require_regular
 
 MOST = 1_000_000
 """Obstacles of one sweep: more are a slip of the pen."""
+LARGEST_FILE = 100_000_000
+"""Bytes of a list."""
 Sizes = tuple[float, float]
 """Height and width of a bare obstacle [m]."""
 
@@ -62,10 +65,11 @@ def read_list(path: Path) -> list[Sizes]:
     """Sizes [m] in a table with the columns height and width; other columns are left alone.
 
     Raises:
-        InvalidInput: there is no such file, it lacks a column or a row, a line holds what is no number, or an obstacle
-            comes twice.
+        InvalidInput: there is no such file, it is not a regular one or too large, it lacks a column or a row, a line
+            holds what is no number, or an obstacle comes twice.
     """
     try:
+        require_regular(path, LARGEST_FILE)
         with open(path, newline="", encoding="utf-8-sig") as file:
             lines = csv.DictReader(file)
             if not {"height", "width"} <= set(lines.fieldnames or ()):
