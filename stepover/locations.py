@@ -1,7 +1,8 @@
-"""Where the inputs and, in a checkout, the notebooks and figures lie."""
+"""Where the inputs and, in a checkout, the notebooks and figures lie; and what may be read."""
 
 from __future__ import annotations
 
+import stat
 from pathlib import Path
 
 from stepover.errors import InvalidInput
@@ -24,3 +25,24 @@ def checkout() -> Path:
     if not (top / "notebooks").is_dir():
         raise InvalidInput(f"no notebooks in {top}: reproduce needs a checkout of stepover, not an installed package")
     return top
+
+
+def require_regular(path: Path, most: int) -> None:
+    """Refuse what is no regular file of a sensible size: a pipe or a device might never end.
+
+    Args:
+        path: of the file.
+        most: its largest size [bytes].
+
+    Raises:
+        InvalidInput: it is a folder, a pipe or a device, it is too large, or the path makes no sense.
+        OSError: there is no such file.
+    """
+    try:
+        status = path.stat()
+    except ValueError as error:  # a NUL in it
+        raise InvalidInput(f"{str(path)!r} is no path") from error
+    if not stat.S_ISREG(status.st_mode):
+        raise InvalidInput(f"{path} is not a regular file, but a folder, a pipe or a device")
+    if status.st_size > most:
+        raise InvalidInput(f"{path} has {status.st_size:,} bytes; {most:,} are read at most")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import stat
 import zipfile
 from collections.abc import Collection
 from pathlib import Path
@@ -12,31 +11,13 @@ from typing import IO
 import numpy as np
 from numpy.lib import format as npy
 
-from stepover.errors import CorruptMotion, InvalidInput
+from stepover.errors import CorruptMotion
 
-LARGEST_FILE = 50_000_000
-"""Bytes of a file; a motion of eight seconds has half a million."""
 LARGEST = 200_000_000
 """Bytes of all arrays together."""
 TYPES = {"f": "float64", "i": "int64", "u": "int64", "U": "text"}
 """What is read, by numpy's kind of type; floats have 8 bytes."""
 READERS = {(1, 0): npy.read_array_header_1_0, (2, 0): npy.read_array_header_2_0}
-
-
-def require_file(path: Path) -> None:
-    """Refuse what is no regular file of a sensible size: a pipe or a device might never end.
-
-    Raises:
-        InvalidInput: there is no such file, or it is a folder, a pipe, a device or too large.
-    """
-    try:
-        status = path.stat()
-    except (OSError, ValueError) as error:
-        raise InvalidInput(f"{path}: no such file; 'python -m stepover plan' writes one") from error
-    if not stat.S_ISREG(status.st_mode):
-        raise InvalidInput(f"{path} is not a regular file, but a folder, a pipe or a device")
-    if status.st_size > LARGEST_FILE:
-        raise InvalidInput(f"{path} has {status.st_size:,} bytes, a motion file has {LARGEST_FILE:,} at most")
 
 
 def read_arrays(path: Path, keys: Collection[str]) -> tuple[dict[str, np.ndarray], list[str]]:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import stat
 from importlib.util import find_spec
 from pathlib import Path
 
 from stepover.errors import InvalidInput
+from stepover.locations import require_regular
 
 PACKAGE = "package://"
 
@@ -39,13 +39,9 @@ def require_readable(path: Path, most: int) -> None:
         InvalidInput: no such file, not a regular one, or too large.
     """
     try:
-        status = path.stat()
-    except (OSError, ValueError) as error:
-        raise InvalidInput(f"{path} cannot be read: {getattr(error, 'strerror', None) or error}") from error
-    if not stat.S_ISREG(status.st_mode):
-        raise InvalidInput(f"{path} is not a regular file")
-    if status.st_size > most:
-        raise InvalidInput(f"{path} has {status.st_size / 1e6:.0f} MB; at most {most / 1e6:.0f} MB are read")
+        require_regular(path, most)
+    except OSError as error:
+        raise InvalidInput(f"{path} cannot be read: {error.strerror}") from error
 
 
 def read_text(path: Path, most: int) -> str:

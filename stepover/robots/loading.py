@@ -18,10 +18,12 @@ from stepover.model.parameters.slow import SLOW
 from stepover.model.robot import Robot
 from stepover.robots.checks import require_joints, require_room_to_sink, require_standing
 from stepover.robots.derived import com_height, standing
-from stepover.robots.files import find_urdf
+from stepover.robots.files import find_urdf, read_text
 from stepover.robots.reading import WrongEntry, line_of, read_section, require_known
 from stepover.robots.urdf import read_urdf
 
+MOST_BYTES = 1_000_000
+"""Largest robot.toml that is read."""
 TEXTS = ("name", "urdf", "root")
 _KINDS: dict[str, type[Any]] = get_type_hints(Robot)
 _TABLES = [field for field in fields(Robot) if is_dataclass(_KINDS[field.name])]
@@ -48,11 +50,11 @@ def load_robot(robot: str | Path) -> Robot:
             )
         path = data_folder() / str(robot) / "robot.toml"
     try:
-        text = path.read_text(encoding="utf-8-sig")
+        text = read_text(path, MOST_BYTES)
         table = tomllib.loads(text)
-    except OSError as error:
-        raise InvalidInput(f"{path} cannot be read: {error.strerror}") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except (ValueError, RecursionError) as error:
+        if isinstance(error, InvalidInput):
+            raise
         raise InvalidInput(f"{path} is not valid TOML: {error}") from error
     try:
         return _robot(table, path.parent.resolve())

@@ -10,9 +10,12 @@ from itertools import product
 from pathlib import Path
 
 from stepover.errors import InvalidInput
+from stepover.locations import require_regular
 
 MOST = 1_000_000
 """Largest number of obstacles in one sweep. More are taken for a typing error."""
+LARGEST_FILE = 100_000_000
+"""Largest list that is read, in bytes."""
 Sizes = tuple[float, float]
 """Height and width of a bare obstacle [m]."""
 
@@ -62,10 +65,11 @@ def read_list(path: Path) -> list[Sizes]:
     """Sizes [m] in a table with the columns height and width. Other columns are ignored.
 
     Raises:
-        InvalidInput: there is no such file, it lacks a column or has no rows, a value is not a number, or an obstacle
-            occurs twice.
+        InvalidInput: there is no such file, it is not a regular file or too large, it lacks a column or has no rows, a
+            value is not a number, or an obstacle occurs twice.
     """
     try:
+        require_regular(path, LARGEST_FILE)
         with open(path, newline="", encoding="utf-8-sig") as file:
             lines = csv.DictReader(file)
             if not {"height", "width"} <= set(lines.fieldnames or ()):

@@ -12,15 +12,18 @@ from typing import Any
 
 import numpy as np
 
-from stepover.errors import CorruptMotion
+from stepover.errors import CorruptMotion, InvalidInput
+from stepover.locations import require_regular
 from stepover.model.obstacle import LARGEST
-from stepover.motion.archive import read_arrays, require_file
+from stepover.motion.archive import read_arrays
 from stepover.motion.footsteps import Footsteps, Kind
 from stepover.motion.motion import Motion
 from stepover.output import write_whole
 
 FORMAT = 2
 """The format of written files. Older formats are still read."""
+LARGEST_FILE = 50_000_000
+"""Largest file that is read, in bytes. A motion of eight seconds has half a million."""
 SHAPES: dict[str, tuple[str | int, ...]] = {
     "time": ("N",), "q": ("N", "Q"), "joint_names": ("J",), "left_foot": ("N", 7), "right_foot": ("N", 7),
     "waist": ("N", 7), "com": ("N", 3), "zmp_reference": ("N", 2), "zmp_first_stage": ("N", 2), "zmp": ("N", 2),
@@ -62,7 +65,10 @@ def load(path: Path) -> Motion:
         InvalidInput: no such file, not a regular file, or too large.
         CorruptMotion: it is cut short, not a motion, lacks a key, has an unknown one, or contradicts itself.
     """
-    require_file(path)
+    try:
+        require_regular(path, LARGEST_FILE)
+    except OSError as error:
+        raise InvalidInput(f"{path}: no such file; 'python -m stepover plan' writes one") from error
     try:
         arrays, others = read_arrays(path, SHAPES)
         arrays = _as_format_2(arrays)
