@@ -94,6 +94,7 @@ STATED = {
     },
     "docs/command_line.md": {
         "The exit code is {} for success, {} for bad input, {} for an obstacle that cannot be crossed, and {}": CODES,
+        "An interruption gives {}": [commands.INTERRUPTED],
         "With code {} the message": [commands.INFEASIBLE],
         "With code {} you get a plot": [commands.NOT_CROSSED],
         "At {} cm on rubber, a knee reaches nearly three times": [100.0 * FASTEST.height],
