@@ -1,4 +1,4 @@
-"""Facts of a robot that its URDF cannot say, as frozen dataclasses: robot.toml gives them."""
+"""Facts of a robot that its URDF cannot contain, as frozen dataclasses. robot.toml gives them."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ class Foot:
 
     ankle_height: float = fact("m", "ankle above the lowest point of the foot")
     sole_length: float = fact("m", "F_W of Fig. 2")
-    heel: float = fact("m", "foot behind the ankle, as far as anything of it reaches")
-    toe: float = fact("m", "foot ahead of the ankle, as far as anything of it reaches")
+    heel: float = fact("m", "length of the whole foot behind the ankle")
+    toe: float = fact("m", "length of the whole foot ahead of the ankle")
     contact_x: Pair = fact("m", "flat patch that bears load, from heel to toe", sign="any", rising=True)
-    contact_y: Pair = fact("m", "the same across, from the right to the left", sign="any", rising=True)
+    contact_y: Pair = fact("m", "the same patch across, from right to left", sign="any", rising=True)
 
 
 @dataclass(frozen=True)
@@ -42,11 +42,11 @@ class Outline:
 
 @dataclass(frozen=True)
 class Posture:
-    """Half-sitting: where every motion begins and ends."""
+    """Half-sitting: the posture at the start and end of every motion."""
 
     angles_deg: types.MappingProxyType[str, float] = fact("deg", "joint angles; other joints stand at 0", sign="any")
-    waist_height: float = fact("m", "root above the floor, with both soles on it", scale=MODEL)
-    feet_apart: float = fact("m", "distance between the ankles across", scale=MODEL)
+    waist_height: float = fact("m", "height of the root above the floor, with both soles on it", scale=MODEL)
+    feet_apart: float = fact("m", "sideways distance between the ankles", scale=MODEL)
 
     def __getstate__(self) -> dict[str, Any]:
         """What pickle and deepcopy take: a mappingproxy is nothing for them."""
@@ -63,11 +63,13 @@ class UpperBody:
 
     chest_yaw: str = fact("", "joint that turns against the waist's yaw (III-C3)")
     shoulders: tuple[str, ...] = fact("", "pitch joints that swing the arms back (III-D)")
-    arm_swing_max_deg: float = parameter(25.0, "deg", "as far as the waist turns", source="P S2")
-    arm_swing_sizes: int = parameter(5, "count", "equal parts of the largest swing that are tried")
-    arms_start: float = parameter(
-        0.10, "share", "of leg 1's swing at which the arms start", sign="not negative", below=("arms_back",)
+    arm_swing_max_deg: float = parameter(
+        25.0, "deg", "largest swing of the arms: as far as the waist turns", source="P S2"
     )
-    arms_back: float = parameter(0.95, "share", "of leg 1's swing at which the arms are back")
-    arms_forth: float = parameter(0.80, "share", "of leg 2's swing at which the arms hang again")
-    knee_spare_deg: float = parameter(3.0, "deg", "bend of the knees beyond what the checks ask for")
+    arm_swing_sizes: int = parameter(5, "count", "number of swings tried, in equal parts of the largest")
+    arms_start: float = parameter(
+        0.10, "share", "part of leg 1's swing at which the arms start", sign="not negative", below=("arms_back",)
+    )
+    arms_back: float = parameter(0.95, "share", "part of leg 1's swing at which the arms are back")
+    arms_forth: float = parameter(0.80, "share", "part of leg 2's swing at which the arms hang down again")
+    knee_spare_deg: float = parameter(3.0, "deg", "bend of the knees beyond the limit of the checks")

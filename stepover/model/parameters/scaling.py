@@ -1,6 +1,6 @@
-"""How another robot's defaults follow from HRP-2's: rules that compare the two robots' legs, soles and masses.
+"""Scaling of HRP-2's defaults to another robot, by rules that compare the robots' legs, soles and masses.
 
-A scaled value is rounded to two digits. All scaled defaults have two, so HRP-2 gets exactly its own.
+A scaled value is rounded to two digits. All scaled defaults have two digits, so HRP-2 gets exactly its own values.
 """
 
 from __future__ import annotations
@@ -14,14 +14,14 @@ from stepover.model.parameters.entry import MODEL, entry_of
 
 @dataclass(frozen=True)
 class Size:
-    """What the rules compare.
+    """Sizes of a robot that the rules compare.
 
     Attributes:
         leg: thigh, shank and ankle height [m].
-        toe, heel: contact patch ahead of the ankle and behind it [m].
-        mass: of the whole robot [kg].
-        straight_deg: angle of the knee joint at which the leg is straight, positive the way it bends [deg].
-        above_hips: root above the first joint of the leg [m].
+        toe, heel: length of the contact patch ahead of the ankle and behind it [m].
+        mass: mass of the whole robot [kg].
+        straight_deg: angle of the knee joint at which the leg is straight, positive in the direction of bending [deg].
+        above_hips: height of the root above the first joint of the leg [m].
     """
 
     leg: float
@@ -48,7 +48,7 @@ RULES: dict[str, tuple[str, Callable[[float, Size], float]]] = {
     "mass": ("times the mass", lambda value, size: _two_digits(value * size.mass / HRP2.mass)),
     "1/mass": ("divided by the mass", lambda value, size: _two_digits(value * HRP2.mass / size.mass)),
     "waist": (
-        "times the leg's length, and as far as the root is above the hips more",
+        "times the leg's length, plus the height of the root above the hips",
         lambda value, size: round(_two_digits(value * size.leg / HRP2.leg) + size.above_hips, 3),
     ),
     "knee": (
@@ -56,11 +56,11 @@ RULES: dict[str, tuple[str, Callable[[float, Size], float]]] = {
         lambda value, size: round(max(value + size.straight_deg, 0.0), 1),
     ),
 }
-"""Each rule in words, with legs, soles and masses in units of HRP-2's, and as a function."""
+"""Each rule in words and as a function. The words count legs, soles and masses in units of HRP-2's."""
 
 
 def scaled(kind: type[Any], size: Size, values: Mapping[str, Any] | None = None) -> dict[str, Any]:
-    """The defaults of a table for a robot of some size; or HRP-2's values of some of its fields, scaled alike."""
+    """The defaults of a table for a robot of some size; or given values of HRP-2, scaled by the same rules."""
     entries = {known.name: (known.default, entry_of(known)) for known in fields(kind)}
     if values is None:
         values = {name: default for name, (default, _) in entries.items() if default is not MISSING}

@@ -1,6 +1,6 @@
-"""HRP-2's parameters of motions that keep the joints' speed limits: what differs from the defaults, found at 25 cm.
+"""Parameters for motions that keep the joints' speed limits: HRP-2's values that differ from the defaults.
 
-All of it is estimated, by a search over these values. Other robots scale it as they scale the defaults.
+They are estimated by a search over these values for an obstacle of 25 cm. Other robots scale them like the defaults.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ SLOW: dict[str, dict[str, Any]] = {
     "walk": {
         "single_support_over": 1.645,
         "single_support_leg_2": 2.34,
-        "double_support_over": 0.025,  # a longer one asks for reach that the lead knee does not have
+        "double_support_over": 0.025,  # a longer one is beyond the reach of the lead knee
     },
     "feasibility": {  # a lower waist and a longer step: bent knees turn more slowly
         "knee_margin_deg": 54.0,
