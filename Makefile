@@ -14,7 +14,7 @@ wrong_python = this environment needs Python 3.11 (PyBullet has no wheels for la
 call make PYTHON3=/path/to/python3.11
 
 .DEFAULT_GOAL := help
-.PHONY: help env reproduce site test coverage studies lab bench lint clean
+.PHONY: help env reproduce site test fuzz coverage studies lab bench lint clean
 
 help:       ## list these commands
 	@sed -n 's/^\([a-z]*\): .*## \(.*\)/\1|\2/p' $(MAKEFILE_LIST) | \
@@ -35,6 +35,9 @@ test: $(READY)       ## run the tests, the notebooks with quick parameters among
 
 coverage: $(READY)   ## run the tests and measure the share of the code that they run
 	$(PYTHON) -m pytest -n auto --dist loadfile --cov --cov-report=term
+
+fuzz: $(READY)       ## try 3,000 mutated inputs of each kind; the tests try a few
+	FUZZ=3000 $(PYTHON) -m pytest tests/test_fuzz.py
 
 studies: $(READY)    ## make the long tables in figures/ on all cores; goes on where it was interrupted
 	$(PYTHON) -m stepover.studies

@@ -9,7 +9,7 @@ from fuzzing import Broken, Fuzz, tried
 
 COUNT = int(os.environ.get("FUZZ", "0"))
 """Inputs of each kind; 0: the few of a quick run."""
-QUICK = {"urdf": 60, "robot_toml": 60, "motion": 150, "obstacle": 40}
+QUICK = {"urdf": 120, "robot_toml": 120, "motion": 150, "obstacle": 40}
 
 
 @pytest.fixture(scope="module")

@@ -281,6 +281,17 @@ def test_joints_that_the_planner_moves_must_not_be_coupled(tmp_path, joint, lead
         coupled(tmp_path, joint, leader)
 
 
+def test_a_half_sitting_in_which_links_overlap_is_refused(spoilt):
+    with pytest.raises(InvalidInput, match=r"in half-sitting LARM_LINK\d and LLEG_LINK\d overlap by \d+\.\d mm"):
+        load_robot(spoilt({("posture", "angles_deg", "LARM_JOINT1"): -9.0}))
+
+
+def test_a_foot_that_reaches_below_its_sole_is_refused(tmp_path):
+    box = '<collision><origin xyz="0.015 0.01 -0.09"/>'
+    with pytest.raises(InvalidInput, match=r"a collision shape of LLEG_LINK5 reaches 10\.0 mm below the sole"):
+        changed(tmp_path, box=(box, box.replace("-0.09", "-0.10")))
+
+
 def test_a_half_sitting_that_breaks_a_coupling_is_refused(tmp_path):
     with pytest.raises(InvalidInput, match=r"'RARM_JOINT3' mimics 'RARM_JOINT4': .* must be 5\.7 degrees, not -30\.0"):
         coupled(tmp_path, "RARM_JOINT3", "RARM_JOINT4")

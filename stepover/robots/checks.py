@@ -6,9 +6,12 @@ import numpy as np
 
 from stepover.model.legs import KNEE
 from stepover.model.robot import Robot
+from stepover.model.self_collision import self_clearance
 from stepover.robots.reading import WrongEntry
 
 SIDES = {"left": 1, "right": -1}
+BELOW_SOLE = 2e-3
+"""m that a foot's shape may reach below its sole: what thinned meshes leave."""
 FLAT, ON_FLOOR = 0.5, 1e-3
 """Degrees and m that a sole may be off in half-sitting: what rounded figures leave."""
 
@@ -87,6 +90,28 @@ def require_standing(robot: Robot) -> None:
     if back >= 0.0 or front <= 0.0:
         message = f"foot.contact_x = {[back, front]} must reach from behind the ankle, below 0, to ahead of it"
         raise WrongEntry(message, "foot.contact_x")
+
+
+def require_apart(robot: Robot) -> None:
+    """Refuse a half-sitting in which links overlap, or a shape of a foot reaches below its sole.
+
+    Raises:
+        WrongEntry: names the links, and by how much.
+    """
+    placements = robot.body.placements(robot.half_sitting()[None])
+    apart, one, other, _ = self_clearance(robot.own_pairs, placements, 1, up_to=0.0)
+    if apart <= 0.0:
+        message = f"posture.angles_deg: in half-sitting {one} and {other} overlap by {-1e3 * apart:.1f} mm"
+        raise WrongEntry(message, "posture.angles_deg", "posture")
+    for side in SIDES.values():
+        ankle = robot.body.index(robot.leg(side).joints[-1])
+        for shape in robot.shapes:
+            below = -robot.foot.ankle_height - float(shape.vertices[:, 2].min())
+            if shape.joint == ankle and below > BELOW_SOLE:
+                message = (
+                    f"foot.ankle_height: a collision shape of {shape.link} reaches {1e3 * below:.1f} mm below the sole"
+                )
+                raise WrongEntry(message, "foot.ankle_height")
 
 
 def require_room_to_sink(robot: Robot) -> None:

@@ -16,7 +16,7 @@ from stepover.model.parameters.facts import Posture
 from stepover.model.parameters.scaling import scaled
 from stepover.model.parameters.slow import SLOW
 from stepover.model.robot import Robot
-from stepover.robots.checks import require_joints, require_room_to_sink, require_standing
+from stepover.robots.checks import require_apart, require_joints, require_room_to_sink, require_standing
 from stepover.robots.derived import com_height, standing
 from stepover.robots.files import find_urdf, read_text
 from stepover.robots.reading import WrongEntry, line_of, read_section, require_known
@@ -81,6 +81,7 @@ def _robot(table: dict[str, Any], folder: Path) -> Robot:
     require_joints(bare)
     bare = replace(bare, posture=read_section(Posture, table["posture"], "posture", standing(bare)))
     require_standing(bare)
+    require_apart(bare)
     given = {key: table.get(key, {}) for key in PARAMETERS}
     tables = {key: read_section(kind, given[key], key, _defaults(bare, key)) for key, kind in PARAMETERS.items()}
     robot = replace(bare, **tables)
