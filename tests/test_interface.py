@@ -250,6 +250,7 @@ def test_every_dependency_is_pinned_at_a_version_that_will_do():
 
 
 DISTRIBUTIONS = {
+    "mujoco": "mujoco-core",
     "IPython": "ipython",
     "pinocchio": "pin",
     "PIL": "pillow",

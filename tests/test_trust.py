@@ -451,4 +451,4 @@ def test_where_a_failure_cannot_be_plotted_it_says_so(tmp_path, monkeypatch):
     monkeypatch.setattr(os, "access", lambda *_: False)
     monkeypatch.setattr("stepover.report.figures.failure", lambda *_: None)
     Path("build").write_text("a file")
-    assert plot_failure(None, Path("m.npz"), None).startswith("the second before it is not drawn: ")
+    assert plot_failure(None, Path("m.npz"), None).startswith("there is no plot of the last second before it: ")

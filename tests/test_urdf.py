@@ -223,7 +223,7 @@ class TestDocuments:
 
     def test_a_huge_file(self, folder, monkeypatch):
         monkeypatch.setattr(module, "MOST_BYTES", 1000)
-        refused(changed(folder), "MB")
+        refused(changed(folder), "19,507 bytes; 1,000 are read at most")
 
 
 class TestShapes:

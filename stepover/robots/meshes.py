@@ -26,7 +26,7 @@ def find_mesh(name: str, urdf: Path) -> Path:
     """The file of a mesh that a URDF names.
 
     Args:
-        name: relative to the URDF, absolute, with file://, or with package://NAME/...
+        name: relative to the URDF, absolute, a `file://` address, or `package://NAME/...`
         urdf: the URDF.
 
     Raises:

@@ -78,7 +78,7 @@ def load(path: Path) -> Motion:
     except CorruptMotion as error:
         raise CorruptMotion(f"{path}: {error}") from None
     except Exception as error:  # whatever numpy, zip and zlib make of arbitrary bytes
-        raise CorruptMotion(f"{path} is not a whole motion file ({type(error).__name__}); plan it anew") from error
+        raise CorruptMotion(f"{path} is not a complete motion file ({type(error).__name__}); plan it again") from error
     values: dict[str, Any] = {key: str(value) if value.ndim == 0 else value for key, value in arrays.items()}
     for key in ("obstacle", "format"):  # obstacles contains the first; the second only concerns the file
         del values[key]
