@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import re
 import tomllib
 from importlib.util import find_spec
@@ -103,6 +104,26 @@ def test_it_weighs_in_pybullet_what_it_weighs(jvrc1):
         low, high = boxes["" if shape.joint == 1 else jvrc1.body.joint_names[shape.joint - 2]]
         np.testing.assert_allclose(low, corners.min(axis=0), atol=0.006)
         np.testing.assert_allclose(high, corners.max(axis=0), atol=0.006)
+
+
+def test_links_whose_names_hardly_differ_keep_their_own_meshes(robot):
+    """HRP-2's shanks, both of meshes, with names that are one where only letters and digits count."""
+    links = {"RLEG_LINK3": "shank.1", "LLEG_LINK3": "shank_1"}
+    renamed = tuple(dataclasses.replace(link, name=links.get(link.name, link.name)) for link in robot.description.links)
+    joints = tuple(
+        dataclasses.replace(
+            joint, parent=links.get(joint.parent, joint.parent), child=links.get(joint.child, joint.child)
+        )
+        for joint in robot.description.joints
+    )
+    boxes = []
+    for description in (robot.description, dataclasses.replace(robot.description, links=renamed, joints=joints)):
+        with silenced():
+            client = pybullet.connect(pybullet.DIRECT)
+            body = load_body(description, client)
+        boxes.append([pybullet.getAABB(body, k, client) for k in range(pybullet.getNumJoints(body, client))])
+        pybullet.disconnect(client)
+    np.testing.assert_array_equal(*boxes)
 
 
 @needs_jvrc1

@@ -14,7 +14,7 @@ import numpy as np
 
 from stepover.extras import needs
 from stepover.model.collision import hull_of
-from stepover.model.description.links import MESH, Description, Link
+from stepover.model.description.links import MESH, Description
 from stepover.model.description.urdf_text import numbers, urdf_text
 from stepover.model.pose import Rotation
 
@@ -48,21 +48,16 @@ def load_body(description: Description, client: int) -> int:
     Self-collision stays off: neighbouring boxes overlap at the joints by design, and the planner keeps the legs apart.
     """
     with tempfile.TemporaryDirectory() as folder:
-        hulls: dict[str, str] = {}
+        place = {link.name: Path(folder) / str(k) for k, link in enumerate(description.links)}
         for link in description.links:
             for number, solid in enumerate(link.solids):
                 if solid.kind == MESH:
-                    hulls[_hull_name(link, number)] = _obj(*hull_of(solid.corners))
-        text = urdf_text(description, lambda link, number: str(Path(folder) / _hull_name(link, number)), visuals=True)
-        for name, content in {"robot.urdf": text, **hulls}.items():
-            (Path(folder) / name).write_text(content, encoding="utf-8")
+                    hull = _obj(*hull_of(solid.corners))
+                    place[link.name].with_suffix(f".{number}.obj").write_text(hull)
+        text = urdf_text(description, lambda link, n: str(place[link.name].with_suffix(f".{n}.obj")), visuals=True)
+        (Path(folder) / "robot.urdf").write_text(text, encoding="utf-8")
         flags = pybullet.URDF_USE_INERTIA_FROM_FILE
         return int(pybullet.loadURDF(str(Path(folder) / "robot.urdf"), flags=flags, physicsClientId=client))
-
-
-def _hull_name(link: Link, number: int) -> str:
-    """File name of the hull of a link's shape; the link's own name may hold a slash."""
-    return f"{''.join(c if c.isalnum() else '_' for c in link.name)}_{number}.obj"
 
 
 def _obj(corners: np.ndarray, faces: np.ndarray) -> str:
