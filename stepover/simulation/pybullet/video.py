@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import closing, contextmanager, suppress
+from contextlib import closing, contextmanager
 from pathlib import Path
 
 import imageio_ffmpeg
@@ -18,7 +18,7 @@ from scipy.ndimage import gaussian_filter1d
 from stepover.errors import InvalidInput
 from stepover.model.robot import Robot
 from stepover.motion.motion import Motion
-from stepover.output import part_of
+from stepover.output import replaced
 from stepover.robots.loading import load_robot
 from stepover.simulation.measurements import Run
 from stepover.simulation.pybullet.client import load_body, local_of, names_of, place_body, pybullet, silenced
@@ -86,8 +86,7 @@ def record(
         raise InvalidInput(f"{path} cannot be written: the folder {path.parent} does not exist or is read-only")
     time, _ = _states(source)
     times = np.arange(time[0], time[-1] + 1e-9, 1.0 / rate)
-    beside = part_of(path)
-    try:
+    with replaced(path) as beside:
         film = imageio_ffmpeg.write_frames(
             beside, size, fps=rate, codec="libx264", quality=8, macro_block_size=2, ffmpeg_log_level="error"
         )
@@ -97,12 +96,6 @@ def record(
                 film.send(np.ascontiguousarray(picture))
                 if progress:
                     progress(k / len(times))
-        os.replace(beside, path)
-    except OSError as error:
-        raise InvalidInput(f"{path} cannot be written: {error.strerror or str(error).partition(chr(10))[0]}") from error
-    finally:
-        with suppress(OSError):
-            beside.unlink(missing_ok=True)
 
 
 def _states(source: Run | Motion) -> tuple[np.ndarray, np.ndarray]:
