@@ -45,13 +45,21 @@ class Infeasible(StepOverError):
         constraint: what cannot be met, by how much, and when.
         nearest: the nearest obstacle that can be stepped over, where one was looked for.
         short: what is missing, where that is a length [m]; infinity where it is not.
+        walking: whether it happens in a normal step, so that no other obstacle helps.
     """
 
-    def __init__(self, constraint: str, nearest: Advice | None = None, short: float = float("inf")) -> None:
+    def __init__(
+        self,
+        constraint: str,
+        nearest: Advice | None = None,
+        short: float = float("inf"),
+        walking: bool = False,
+    ) -> None:
         """Keep the binding constraint and, once known, the nearest crossable obstacle."""
         self.constraint = constraint
         self.nearest = nearest
         self.short = short
+        self.walking = walking
         super().__init__(constraint)
 
     def __str__(self) -> str:
@@ -65,6 +73,10 @@ class Infeasible(StepOverError):
 
 class OutOfReach(Infeasible):
     """A sole that a leg cannot reach, by `short`."""
+
+
+class OutOfBalance(Infeasible):
+    """A ZMP that leaves its margin to the support polygon's edge, by `short`."""
 
 
 class TrailingLegBlocked(Infeasible):

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stepover.errors import Infeasible
+from stepover.errors import Infeasible, OutOfBalance
 from stepover.model.collision import Clearance, clearance, least_separation
 from stepover.model.gravity import GRAVITY
 from stepover.model.kinematics import Placements
@@ -15,6 +15,7 @@ from stepover.model.parameters.planning import samples
 from stepover.model.robot import Robot
 from stepover.model.self_collision import self_clearance
 from stepover.model.support import zmp_margin
+from stepover.motion.footsteps import NORMAL
 from stepover.motion.motion import Motion
 
 
@@ -144,7 +145,7 @@ def require(robot: Robot, motion: Motion, placements: Placements | None = None) 
         Infeasible: names the joint, link or ZMP, by how much and when.
     """
     for found in _must_keep(robot, motion, placements, up_to=0.0):
-        _refuse(found)
+        _refuse(found, motion)
 
 
 def require_speeds(robot: Robot, motion: Motion) -> None:
@@ -153,16 +154,20 @@ def require_speeds(robot: Robot, motion: Motion) -> None:
     Raises:
         Infeasible: names the joint that moves fastest for its limit, its share of it and when.
     """
-    _refuse(_joint_speeds(robot, motion))
+    _refuse(_joint_speeds(robot, motion), motion)
 
 
-def _refuse(found: Finding) -> None:
+def _refuse(found: Finding, motion: Motion) -> None:
     """Raise Infeasible for a limit that is not kept."""
     if not found.kept:
+        kind = OutOfBalance if found.check == ZMP else Infeasible
         measured = found.unit == "m" and found.check != SELF_COLLISION
-        raise Infeasible(found.refusal, short=-found.margin if measured else np.inf)
+        short, steps = -found.margin if measured else np.inf, motion.footsteps
+        kinds = steps.kind[steps.time >= found.time - 1e-9][:1]
+        raise kind(found.refusal, short=short, walking=NORMAL in kinds)
 
 
+ZMP = "ZMP"
 SELF_COLLISION = "self-collision"
 
 
@@ -178,7 +183,7 @@ def _must_keep(
     yield _least(motion, "knees", bent, list(robot.legs.knee), wanted, straight)
     inside = zmp_margin(robot, motion.zmp, motion.support, motion.left_foot, motion.right_foot) - kept.zmp_margin
     short = "short of its margin to the support polygon's edge"
-    yield _least(motion, "ZMP", inside[:, None], ["the ZMP"], short, kept.zmp_margin, "m")
+    yield _least(motion, ZMP, inside[:, None], ["the ZMP"], short, kept.zmp_margin, "m")
     placements = placements or body.placements(motion.q)
     apart, one, other, sample = self_clearance(
         robot.own_pairs, placements, samples(kept.self_look_every, motion.dt), up_to

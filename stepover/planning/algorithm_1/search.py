@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from stepover.errors import Infeasible, OutOfReach, TrailingLegBlocked
+from stepover.errors import Infeasible, OutOfBalance, OutOfReach, TrailingLegBlocked
 from stepover.model.robot import Robot
 from stepover.planning.algorithm_1.feasibility import KeyConfiguration
 from stepover.planning.algorithm_1.plan import Options, Plan
@@ -45,6 +45,15 @@ def first_plan(robot: Robot, keys: list[KeyConfiguration], options: list[Options
     raise _nearest_miss(errors)
 
 
+def plannable(robot: Robot, keys: list[KeyConfiguration], options: list[Options], attempt: Attempt) -> bool:
+    """Whether some key configuration works with all that may be used, or with the paper's methods at least.
+
+    Other options stand between these two and hardly ever work where neither does; a search for the nearest obstacle
+    that asks many times can do without them.
+    """
+    return any(_first_key(robot, keys, some, attempt, any_of_them=True)[0] for some in (options[-1], options[0]))
+
+
 def _nearest_miss(errors: list[Infeasible]) -> Infeasible:
     """The error that lacks least; an adapted leg that still collides lacks less than one that does not reach."""
     explained = [error.explain() if isinstance(error, TrailingLegBlocked) else error for error in errors]
@@ -52,14 +61,19 @@ def _nearest_miss(errors: list[Infeasible]) -> Infeasible:
 
 
 def _first_key(
-    robot: Robot, keys: list[KeyConfiguration], options: Options, attempt: Attempt
+    robot: Robot,
+    keys: list[KeyConfiguration],
+    options: Options,
+    attempt: Attempt,
+    any_of_them: bool = False,
 ) -> tuple[Plan | None, list[Infeasible]]:
-    """The plan for the first key configuration that works, or None; and why others do not.
+    """The plan for the first key configuration that works, or for any of them, or None; and why others do not.
 
     A failed attempt rules others out. Where a sole is out of reach by some length, the waist must be lower by more.
     Where FTA cannot free the trailing leg, that is for want of reach as well, so the waist must be lower. A longer step
     needs a lower waist still. So where FTA fails, the next step length waits for the one after it, which may rule it
-    out.
+    out. Where the ZMP leaves its margin, it leaves it by more over a longer step and under a lower waist. What fails
+    in a normal step fails with every key configuration.
     """
     apart = robot.feasibility.step_length_more_step
     left = [key for key in keys if _is_whole((key.x_ads - keys[0].x_ads) / apart)]
@@ -69,8 +83,10 @@ def _first_key(
         before, beyond = left[: left.index(key)], 0.0
         try:
             found, left = attempt(key, options), before
+            if any_of_them:
+                break
         except Infeasible as error:
-            if error.nearest is not None:
+            if error.nearest is not None or error.walking:
                 raise
             error.forget_frames()
             errors.append(error)
@@ -78,6 +94,8 @@ def _first_key(
             if isinstance(error, (OutOfReach, TrailingLegBlocked)):
                 lower = np.hypot(1.0, LEAN) * error.short if isinstance(error, OutOfReach) else 0.0
                 left = [other for other in left if _demand(other) < _demand(key) - lower]
+            if isinstance(error, OutOfBalance):
+                left = [other for other in left if other.x_ads < key.x_ads or other.z_hds > key.z_hds]
             if isinstance(error, TrailingLegBlocked):
                 beyond = key.x_ads + 1.5 * apart
     return found, errors
