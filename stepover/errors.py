@@ -16,8 +16,17 @@ class Advice(Protocol):
         """In a few words, for the end of a message."""
 
 
+LONGEST = 1000
+"""Letters of a message at most: what a broken file holds may be quoted in it."""
+
+
 class StepOverError(Exception):
-    """Base of all errors of this library."""
+    """Base of all errors of this library. Its message is one line of a readable length."""
+
+    def __init__(self, message: str = "") -> None:
+        """Put the message on one line, and leave out the middle of a very long one."""
+        line = " ".join(message.splitlines())
+        super().__init__(line if len(line) <= LONGEST else f"{line[: LONGEST - 300]} ... {line[-290:]}")
 
 
 class InvalidInput(StepOverError, ValueError):
@@ -75,8 +84,22 @@ class OutOfReach(Infeasible):
     """A sole that a leg cannot reach, by `short`."""
 
 
-class OutOfBalance(Infeasible):
-    """A ZMP that leaves its margin to the support polygon's edge, by `short`."""
+class LimitBroken(Infeasible):
+    """A finished motion that breaks a limit.
+
+    Attributes:
+        limit: which one: what is checked, and of which part.
+        excess: by how much it is broken, in the limit's unit.
+    """
+
+    def __init__(self, constraint: str, limit: str, excess: float, short: float, walking: bool) -> None:
+        """Keep what a planner needs to tell whether it gets better or worse."""
+        super().__init__(constraint, short=short, walking=walking)
+        self.limit, self.excess = limit, excess
+
+    def __reduce__(self) -> tuple[type[Infeasible], tuple[str, Advice | None, float, bool]]:
+        """Pickle what a user sees."""
+        return Infeasible, (self.constraint, self.nearest, self.short, self.walking)
 
 
 class TrailingLegBlocked(Infeasible):

@@ -16,6 +16,7 @@ EXTRAS = {
     "imageio_ffmpeg": "report",
     "ipywidgets": "notebooks",
     "joblib": "studies",
+    "jupyter_client": "notebooks",
     "matplotlib": "report",
     "meshcat": "report",
     "mujoco": "mujoco",

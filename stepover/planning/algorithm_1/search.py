@@ -6,11 +6,12 @@ beyond the paper. With each of these options the key configurations are tried in
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Callable
 
 import numpy as np
 
-from stepover.errors import Infeasible, OutOfBalance, OutOfReach, TrailingLegBlocked
+from stepover.errors import Infeasible, LimitBroken, OutOfReach, TrailingLegBlocked
 from stepover.model.robot import Robot
 from stepover.planning.algorithm_1.feasibility import KeyConfiguration
 from stepover.planning.algorithm_1.plan import Options, Plan
@@ -20,6 +21,9 @@ Attempt = Callable[[KeyConfiguration, Options], Plan]
 LEAN = 0.6
 """How far a leg leans where it reaches furthest: hip to ankle ahead over hip to ankle down. It is 0.5 to 0.7 for
 obstacles of 20 to 25 cm. Under 20 cm hardly any attempt fails for want of reach."""
+
+HARDLY = 1e-4
+"""m or rad: a limit that is broken by so much less with the next waist is not kept with the lowest."""
 
 
 def options_in_order(robot: Robot, arms: str, extras: bool, speed_limits: str) -> list[Options]:
@@ -72,12 +76,13 @@ def _first_key(
     A failed attempt rules others out. Where a sole is out of reach by some length, the waist must be lower by more.
     Where FTA cannot free the trailing leg, that is for want of reach as well, so the waist must be lower. A longer step
     needs a lower waist still. So where FTA fails, the next step length waits for the one after it, which may rule it
-    out. Where the ZMP leaves its margin, it leaves it by more over a longer step and under a lower waist. What fails
-    in a normal step fails with every key configuration.
+    out. Where a lower waist or a longer step breaks the same limit as before, and by hardly less, one that is lower and
+    longer does not mend it. What fails as the robot walks fails with every key configuration.
     """
     apart = robot.feasibility.step_length_more_step
     left = [key for key in keys if _is_whole((key.x_ads - keys[0].x_ads) / apart)]
     found, errors, beyond = None, [], 0.0
+    broken: defaultdict[str, list[tuple[KeyConfiguration, float]]] = defaultdict(list)
     while left:
         key = next((key for key in left if key.x_ads > beyond), left[0])
         before, beyond = left[: left.index(key)], 0.0
@@ -94,11 +99,18 @@ def _first_key(
             if isinstance(error, (OutOfReach, TrailingLegBlocked)):
                 lower = np.hypot(1.0, LEAN) * error.short if isinstance(error, OutOfReach) else 0.0
                 left = [other for other in left if _demand(other) < _demand(key) - lower]
-            if isinstance(error, OutOfBalance):
-                left = [other for other in left if other.x_ads < key.x_ads or other.z_hds > key.z_hds]
+            if isinstance(error, LimitBroken):
+                if any(_no_better(key, error.excess, *one) for one in broken[error.limit]):
+                    left = [other for other in left if other.x_ads < key.x_ads or other.z_hds > key.z_hds]
+                broken[error.limit].append((key, error.excess))
             if isinstance(error, TrailingLegBlocked):
                 beyond = key.x_ads + 1.5 * apart
     return found, errors
+
+
+def _no_better(key: KeyConfiguration, excess: float, before: KeyConfiguration, excess_before: float) -> bool:
+    """Whether a lower waist or a longer step than before breaks a limit by hardly less."""
+    return key.x_ads >= before.x_ads and key.z_hds <= before.z_hds and excess >= excess_before - HARDLY
 
 
 def _demand(key: KeyConfiguration) -> float:
