@@ -43,7 +43,11 @@ margins = together(
         "--margin-height", type=float, default=0.03, show_default=True, help="Safety margin above the obstacle [m]."
     ),
     click.option(
-        "--margin-width", type=float, default=0.03, show_default=True, help="Safety margin before and behind it [m]."
+        "--margin-width",
+        type=float,
+        default=0.03,
+        show_default=True,
+        help="Safety margin before and behind the obstacle [m].",
     ),
 )
 planner_choices = together(

@@ -38,7 +38,11 @@ class _Disturbed(Command):
 @robot_file
 @click.option("--stabilizer/--no-stabilizer", default=False, show_default=True, help="Balance with sensor feedback.")
 @click.option(
-    "--perturb", multiple=True, metavar="NAME=VALUE", callback=pairs, help="A disturbance from the list below."
+    "--perturb",
+    multiple=True,
+    metavar="NAME=VALUE",
+    callback=pairs,
+    help="A disturbance from the list below; may be repeated.",
 )
 @new_file("--video", "Write a video from the side", ".mp4")
 @as_json

@@ -182,7 +182,7 @@ def _is_walking(motion: Motion, found: Finding) -> bool:
     return NORMAL in kinds or (before and found.check == SELF_COLLISION)
 
 
-SELF_COLLISION = "self-collision"
+ZMP, SELF_COLLISION = "ZMP", "self-collision"
 
 
 def _must_keep(
@@ -197,7 +197,7 @@ def _must_keep(
     yield _least(motion, "knees", bent, list(robot.legs.knee), wanted, straight)
     inside = zmp_margin(robot, motion.zmp, motion.support, motion.left_foot, motion.right_foot) - kept.zmp_margin
     short = "short of its margin to the support polygon's edge"
-    yield _least(motion, "ZMP", inside[:, None], ["the ZMP"], short, kept.zmp_margin, "m")
+    yield _least(motion, ZMP, inside[:, None], ["the ZMP"], short, kept.zmp_margin, "m")
     placements = placements or body.placements(motion.q)
     apart, one, other, sample = self_clearance(
         robot.own_pairs, placements, samples(kept.self_look_every, motion.dt), up_to

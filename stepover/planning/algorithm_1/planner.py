@@ -33,6 +33,8 @@ from stepover.planning.trajectories import WaistAndFeet
 
 ARMS = ("auto", "on", "off")
 SPEED_LIMITS = ("ignore", "respect")
+SEARCH = 150
+"""Attempts that the search for the nearest obstacle may make: about 6 s. Most searches make 30."""
 
 
 def plan(
@@ -95,9 +97,16 @@ def plan_in_detail(
             require_speeds(mover, found.motion)
         return found
 
+    left = iter(range(SEARCH))
+
+    def search_attempt(other: Obstacle, key: KeyConfiguration, options: Options) -> Plan:
+        if next(left, None) is None:
+            raise Infeasible("the search for the nearest obstacle ends", walking=True)
+        return attempt(other, key, options)
+
     def crossable(other: Obstacle) -> bool:
         try:
-            return plannable(mover, key_configurations(mover, other), options, partial(attempt, other))
+            return plannable(mover, key_configurations(mover, other), options, partial(search_attempt, other))
         except Infeasible:
             return False
 

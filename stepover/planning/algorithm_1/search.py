@@ -15,6 +15,7 @@ from stepover.errors import Infeasible, LimitBroken, OutOfReach, TrailingLegBloc
 from stepover.model.robot import Robot
 from stepover.planning.algorithm_1.feasibility import KeyConfiguration
 from stepover.planning.algorithm_1.plan import Options, Plan
+from stepover.planning.checks import ZMP
 
 Attempt = Callable[[KeyConfiguration, Options], Plan]
 """Plans with a key configuration and options, or raises Infeasible."""
@@ -24,6 +25,8 @@ obstacles of 20 to 25 cm. Under 20 cm hardly any attempt fails for want of reach
 
 HARDLY = 1e-4
 """m or rad: a limit that is broken by so much less with the next waist is not kept with the lowest."""
+SEVERAL = 4
+"""Attempts with a higher waist or a shorter step that broke a limit by no more, until the rest is not tried."""
 
 
 def options_in_order(robot: Robot, arms: str, extras: bool, speed_limits: str) -> list[Options]:
@@ -77,7 +80,8 @@ def _first_key(
     Where FTA cannot free the trailing leg, that is for want of reach as well, so the waist must be lower. A longer step
     needs a lower waist still. So where FTA fails, the next step length waits for the one after it, which may rule it
     out. Where a lower waist or a longer step breaks the same limit as before, and by hardly less, one that is lower and
-    longer does not mend it. What fails as the robot walks fails with every key configuration.
+    longer does not mend it: the ZMP's after one such attempt, another limit after several, since it may depend on how
+    FTA frees the leg. What fails as the robot walks fails with every key configuration.
     """
     apart = robot.feasibility.step_length_more_step
     left = [key for key in keys if _is_whole((key.x_ads - keys[0].x_ads) / apart)]
@@ -100,7 +104,8 @@ def _first_key(
                 lower = np.hypot(1.0, LEAN) * error.short if isinstance(error, OutOfReach) else 0.0
                 left = [other for other in left if _demand(other) < _demand(key) - lower]
             if isinstance(error, LimitBroken):
-                if any(_no_better(key, error.excess, *one) for one in broken[error.limit]):
+                worse = sum(_no_better(key, error.excess, *one) for one in broken[error.limit])
+                if worse >= (1 if error.limit.startswith(ZMP) else SEVERAL):
                     left = [other for other in left if other.x_ads < key.x_ads or other.z_hds > key.z_hds]
                 broken[error.limit].append((key, error.excess))
             if isinstance(error, TrailingLegBlocked):
