@@ -149,7 +149,7 @@ def test_a_missing_library_is_named_with_its_extra(motion: Motion, tmp_path: Pat
         "except InvalidInput as error:\n    print(error)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout == "simulate needs PyBullet: pip install 'stepover[pybullet]'\n"
+    assert done.stdout == "simulate needs PyBullet: pip install 'stepover[pybullet]', or take --engine mujoco\n"
 
 
 @pytest.mark.parametrize("fails", ["surroundings", "mass"])

@@ -21,8 +21,8 @@ from stepover.studies.sweep import Crossing, Point, cross, summary, summary_line
 
 GRID = ["--heights", "0.05:0.1:0.05", "--widths", "0.05,0.3"]
 JSON_KEYS = {
-    "robot", "margin_height", "margin_width", "arms", "speed_limits", "obstacles", "planned", "refused", "simulated",
-    "crossed", "highest_planned", "widest_planned", "planned_clearance_min", "zmp_margin_min",
+    "robot", "margin_height", "margin_width", "arms", "speed_limits", "engine", "obstacles", "planned", "refused",
+    "simulated", "crossed", "highest_planned", "widest_planned", "planned_clearance_min", "zmp_margin_min",
     "simulated_clearance_min",
 }  # fmt: skip
 
