@@ -67,7 +67,7 @@ def at(rows: Sequence[Crossing], height: float, width: float) -> Crossing:
 
 def again(stored: Crossing, physics: bool = True) -> tuple[Crossing, str]:
     """Plan and simulate a row of the table anew. Returns the new row and how it agrees with the stored one."""
-    new = Crossing(**cross(Point(stored.height, stored.width, stored.robot, physics, stored.engine or DEFAULT)))
+    new = Crossing(**cross(Point(stored.height, stored.width, stored.robot, physics, engine=stored.engine or DEFAULT)))
     if new.motion != stored.motion or (physics and new.crossed != stored.crossed):
         return new, NO
     now, then = new.simulated_clearance, stored.simulated_clearance

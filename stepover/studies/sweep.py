@@ -32,20 +32,20 @@ class Point:
         height, width: size of the bare obstacle [m].
         robot: name of the robot, or the path of its robot.toml.
         physics: whether planned motions are simulated.
-        engine: of the physics.
         margin_height, margin_width: safety margins [m].
         arms, speed_limits: as for plan.
+        engine: of the physics.
     """
 
     height: float
     width: float
     robot: str = "hrp2"
     physics: bool = True
-    engine: str = DEFAULT
     margin_height: float = 0.03
     margin_width: float = 0.03
     arms: str = "auto"
     speed_limits: str = "ignore"
+    engine: str = DEFAULT
 
     @property
     def obstacle(self) -> Obstacle:
