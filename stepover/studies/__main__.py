@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from stepover.studies.convergence import study as convergence
 from stepover.studies.landing import study as landing
 from stepover.studies.obstacle_plane import study as obstacle_plane
 from stepover.studies.robustness import study as robustness
@@ -9,5 +10,5 @@ from stepover.studies.strategies import study as strategies
 from stepover.studies.trials import study as trials
 
 if __name__ == "__main__":
-    for study in (obstacle_plane, strategies, trials, robustness, landing):
+    for study in (obstacle_plane, strategies, trials, robustness, landing, convergence):
         print(study())
