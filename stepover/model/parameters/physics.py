@@ -13,7 +13,7 @@ class Simulation:
 
     time_step: float = parameter(0.001, "s", "time step, fixed", least=1e-5, most=0.1)
     solver_iterations: int = parameter(
-        50, "count", "PyBullet: iterations of the constraint solver per step, its default"
+        200, "count", "PyBullet: rounds of the solver per step. With its default, 50, the ZMP's error is twice as large"
     )
     contact_time: float = parameter(
         0.002, "s", "MuJoCo: time in which a contact settles. It allows two time steps at least. With its default, "
