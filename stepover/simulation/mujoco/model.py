@@ -21,6 +21,7 @@ from stepover.simulation.simulated import SimulatedRobot
 
 with needs("simulate"):
     import mujoco
+mujoco.set_mju_user_warning(lambda text: None)  # it would write a file; World looks at the count instead
 
 FOOT_BITS, OTHER_BIT = (1, 2), 4
 """What the left foot, the right foot and every other link are to the floors."""

@@ -16,12 +16,13 @@ from typing import Any, Self
 
 import numpy as np
 
+from stepover.errors import StepOverError
 from stepover.model.gravity import GRAVITY
 from stepover.simulation.engine import Contacts, Scene
 from stepover.simulation.mujoco.model import FLOORS, foot_of, model_of, mujoco
 from stepover.simulation.mujoco.touching import Touching
 from stepover.simulation.servos import springs, within_limits
-from stepover.simulation.simulated import SimulatedRobot, simulated_robot
+from stepover.simulation.simulated import SimulatedRobot, require_mass, simulated_robot
 from stepover.simulation.soles import BUSH
 
 STIFFER = 200.0
@@ -35,12 +36,13 @@ class World:
         """Build the world.
 
         Raises:
-            InvalidInput: the robot has no sole for rubber.
+            InvalidInput: the robot weighs something else than its multi-body model, or has no sole for rubber.
         """
         self.scene, robot = scene, scene.robot
         simulated = simulated_robot(robot, scene.sole, scene.disturbances)
         self.bush_depth = simulated.bush_depth
         self._model = model_of(scene, simulated)
+        require_mass(scene, float(self._model.body_mass.sum()), "MuJoCo")
         self._data = mujoco.MjData(self._model)
         self._limited, count = scene.actuators == "limited", len(robot.body.joint_names)
         named = [self._model.joint(joint) for joint in (*robot.body.joint_names, *simulated.passive)]
@@ -108,7 +110,13 @@ class World:
         self._placed = False
 
     def contacts(self) -> Contacts:
-        """The contact points of all steps since the last call, or since the reset."""
+        """The contact points of all steps since the last call, or since the reset.
+
+        Raises:
+            StepOverError: the simulation is unstable.
+        """
+        if self._data.warning.number.any():
+            raise StepOverError("MuJoCo cannot integrate this: its states are no numbers; take a smaller time step")
         return self._touching.contacts()
 
     def base_pose(self) -> np.ndarray:
