@@ -12,7 +12,7 @@ from pathlib import Path
 from stepover.errors import InvalidInput
 from stepover.simulation.engine import DEFAULT
 from stepover.studies.agreement import CLOSE, NO, agreement
-from stepover.studies.study import make_table, read_rows, stored_table
+from stepover.studies.study import ENGINE, make_table, read_rows, stored_table
 from stepover.studies.sweep import Crossing, Point, cross
 
 NAME = "obstacle_plane"
@@ -27,12 +27,12 @@ SAMPLE = ((0.10, 0.11), (0.20, 0.05), (0.25, 0.05))
 
 def grid(heights: Sequence[float] = HEIGHTS, widths: Sequence[float] = WIDTHS) -> list[Point]:
     """Points of a grid, ordered by height, then by width."""
-    return [Point(height, width) for height in heights for width in widths]
+    return [Point(height, width, engine=ENGINE) for height in heights for width in widths]
 
 
 def whole_plane() -> list[Point]:
     """Points of the stored table."""
-    return grid() + [Point(*corner) for corner in CORNERS]
+    return grid() + [Point(*corner, engine=ENGINE) for corner in CORNERS]
 
 
 def study(

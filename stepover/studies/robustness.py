@@ -24,7 +24,7 @@ from stepover.simulation.run import simulate
 from stepover.studies.agreement import CLOSE, NO, agreement
 from stepover.studies.draws import RANGES, Draw, draw
 from stepover.studies.parallel import Row, computed
-from stepover.studies.study import make_table, read_rows, robot_of, rounded, stored_table
+from stepover.studies.study import ENGINE, make_table, read_rows, robot_of, rounded, stored_table
 
 NAME = "robustness"
 HEIGHT, WIDTH = 0.15, 0.05
@@ -43,7 +43,7 @@ class Point:
     sole: str
     robot: str
     motion: str
-    engine: str = DEFAULT
+    engine: str
 
 
 @dataclass(frozen=True)
@@ -84,7 +84,7 @@ def points(
     actuators: str = ACTUATORS,
     sole: str = SOLE,
     robot: str | None = None,
-    engine: str = DEFAULT,
+    engine: str = ENGINE,
 ) -> list[Point]:
     """Simulations of a study: each draw without and with the stabilizer."""
     drawn, carried, robot = [draw(motion, seed, k) for k in range(runs)], motion.hash(), robot or motion.robot_name
@@ -119,7 +119,7 @@ class Trial:
 
 def study(
     motion: Motion | None = None, runs: int = RUNS, seed: int = SEED, *, actuators: str = ACTUATORS, sole: str = SOLE,
-    engine: str = DEFAULT, robot: str | None = None, table: Path | None = None, build: Path | None = None,
+    engine: str = ENGINE, robot: str | None = None, table: Path | None = None, build: Path | None = None,
     workers: int | None = None,
 ) -> Path:  # fmt: skip
     """Run or resume a study and write its table; default: the stored table of the repository.

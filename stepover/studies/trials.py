@@ -22,7 +22,7 @@ from stepover.planning.algorithm_1.planner import plan_in_detail
 from stepover.simulation.engine import DEFAULT
 from stepover.simulation.measurements import Run
 from stepover.simulation.run import simulate
-from stepover.studies.study import Row, make_table, read_rows, robot_of, rounded, stored_table
+from stepover.studies.study import ENGINE, Row, make_table, read_rows, robot_of, rounded, stored_table
 
 NAME = "trials"
 HEIGHT, WIDTH = 0.15, 0.05
@@ -77,7 +77,7 @@ class Trial:
     stabilizer: bool = True
     speed_limits: str = "ignore"
     robot: str = "hrp2"
-    engine: str = DEFAULT
+    engine: str = ENGINE
 
     @property
     def perturb(self) -> dict[str, float]:
