@@ -56,6 +56,9 @@ planner_choices = together(
 )
 
 
+engine = choice("--engine", ("pybullet", "mujoco"), "The physics engine.")
+
+
 def physics(actuators: str = "ideal", sole: str = "rigid") -> Option:
     """Motors and soles of the simulated robot, with their defaults."""
     return together(
@@ -64,6 +67,7 @@ def physics(actuators: str = "ideal", sole: str = "rigid") -> Option:
             help="Ideal motors without limits, as in the paper, or servos whose torque drops near the speed limit.",
         ),
         choice("--sole", ("rigid", "compliant"), "Rigid soles, or rubber between ankle and sole.", default=sole),
+        engine,
     )  # fmt: skip
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from stepover.cli.commands import NOT_CROSSED, Command, complain, progress, say
-from stepover.cli.options import as_json, choice, motion_file, new_file, pairs, physics, robot_file
+from stepover.cli.options import as_json, motion_file, new_file, pairs, physics, robot_file
 from stepover.errors import InvalidInput
 from stepover.extras import needs
 
@@ -34,7 +34,6 @@ class _Disturbed(Command):
 @click.command(cls=_Disturbed)
 @motion_file
 @physics()
-@choice("--engine", ("pybullet", "mujoco"), "The physics engine.")
 @robot_file
 @click.option("--stabilizer/--no-stabilizer", default=False, show_default=True, help="Balance with sensor feedback.")
 @click.option(

@@ -31,6 +31,8 @@ from stepover.studies.fingerprint import fingerprint
 from stepover.studies.parallel import Row, Work, computed
 
 Kind = TypeVar("Kind")
+ENGINE = "mujoco"
+"""The engine of the stored tables of many simulations: the faster one. two_engines.py repeats samples in the other."""
 
 
 def make_table(
