@@ -7,11 +7,11 @@ from stepover.errors import Infeasible, TrailingLegBlocked
 from stepover.model.obstacle import Obstacle
 from stepover.motion.footsteps import LEG_2
 from stepover.planning.algorithm_1 import shift_and_raise
-from stepover.planning.algorithm_1.beyond_paper import extra_shape, extra_zmp
+from stepover.planning.algorithm_1.beyond_paper import extra_zmp
 from stepover.planning.algorithm_1.com_waist import com_and_waist
 from stepover.planning.algorithm_1.feasibility import key_configurations
 from stepover.planning.algorithm_1.feet_adaptor import adapt_feet, push_ankle
-from stepover.planning.algorithm_1.feet_trajectories import feet_trajectories
+from stepover.planning.algorithm_1.feet_trajectories import feet_trajectories, swing_shape
 from stepover.planning.algorithm_1.plan import Options
 from stepover.planning.algorithm_1.planner import algorithm_1, plan_in_detail
 from stepover.planning.algorithm_1.shift_and_raise import (
@@ -34,7 +34,7 @@ def high(robot):
     key = next(key for key in key_configurations(robot, obstacle) if key.x_ads > 0.505 and key.z_hds < 0.64)
     sequence = extra_zmp(robot, step_sequence(robot, obstacle, key, robot.rest_zmp()), 2)
     crossing = Crossing(robot, obstacle, sequence)
-    feet = feet_trajectories(crossing, extra_shape(robot, 2))
+    feet = feet_trajectories(crossing, swing_shape(robot, 0, leg_2_late=True))
     return crossing, WaistAndFeet(com_and_waist(robot, sequence, key).waist, feet)
 
 

@@ -15,12 +15,12 @@ from stepover.model.obstacle import Obstacle
 from stepover.model.robot import Robot
 from stepover.motion.footsteps import Footsteps
 from stepover.motion.motion import Motion, obstacle_row
-from stepover.planning.algorithm_1.beyond_paper import extra_shape, extra_zmp, waist_delay
+from stepover.planning.algorithm_1.beyond_paper import extra_zmp, waist_delay
 from stepover.planning.algorithm_1.com_waist import com_and_waist
 from stepover.planning.algorithm_1.dynamic_filter import filtered_waist
 from stepover.planning.algorithm_1.feasibility import KeyConfiguration, key_configurations
 from stepover.planning.algorithm_1.feet_adaptor import adapt_feet
-from stepover.planning.algorithm_1.feet_trajectories import feet_trajectories
+from stepover.planning.algorithm_1.feet_trajectories import feet_trajectories, swing_shape
 from stepover.planning.algorithm_1.plan import Nominal, Options, Plan
 from stepover.planning.algorithm_1.search import first_plan, options_in_order, plannable
 from stepover.planning.algorithm_1.shift_and_raise import raise_waist
@@ -178,7 +178,7 @@ def nominal_trajectories(robot: Robot, obstacle: Obstacle, key: KeyConfiguration
     level = options.level
     sequence = extra_zmp(robot, step_sequence(robot, obstacle, key, robot.rest_zmp()), level)  # 2: FTG
     crossing = Crossing(robot, obstacle, sequence)
-    ftg = feet_trajectories(crossing, extra_shape(robot, level))
+    ftg = feet_trajectories(crossing, swing_shape(robot, options.late, leg_2_late=level > 0))
     first = com_and_waist(robot, sequence, key, waist_delay(robot, level))  # 3: CWTG1
     upper = upper_body(robot, sequence, ftg, first, options.arms)  # 5: UBMG
     return Nominal(crossing, ftg, first, upper, moved(first.waist, upper.waist_shift))
