@@ -40,13 +40,13 @@ def summed_up(contacts: Contacts, links: Sequence[str], steps: int) -> Touch:
         links: names that Contacts.link counts.
         steps: how many steps they are of.
     """
-    floor = contacts.touched == FLOOR
-    wrenches, foot = _wrenches(contacts.position[floor], contacts.force[floor]) / steps, contacts.foot[floor]
-    others = {links[link] for link in contacts.link[floor][foot == NO_FOOT]}
-    depths: dict[str, float] = {}
-    for link, depth in zip(contacts.link[~floor].tolist(), contacts.depth[~floor].tolist(), strict=True):
-        depths[links[link]] = max(depth, depths.get(links[link], 0.0))
-    return Touch((foot == FEET) @ wrenches, wrenches.sum(axis=0), others, depths)
+    floor, depths = contacts.touched == FLOOR, dict[str, float]()
+    if not floor.all():
+        for link, depth in zip(contacts.link[~floor].tolist(), contacts.depth[~floor].tolist(), strict=True):
+            depths[links[link]] = max(depth, depths.get(links[link], 0.0))
+    wrenches = np.where(floor, _wrenches(contacts.position, contacts.force).T, 0.0).T / steps
+    others = {links[link] for link in contacts.link[floor & (contacts.foot == NO_FOOT)].tolist()}
+    return Touch((contacts.foot == FEET) @ wrenches, wrenches.sum(axis=0), others, depths)
 
 
 def _wrenches(place: np.ndarray, force: np.ndarray) -> np.ndarray:

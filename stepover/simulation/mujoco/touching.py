@@ -53,18 +53,18 @@ class Touching:
         self.forget()
         if not len(raw):
             return NO_CONTACTS
-        counts = ends[1:] - ends[:-1]
-        robot_first = self._link[raw["geom"][:, 0]] >= 0
-        own, other = np.where(robot_first, raw["geom"].T, raw["geom"].T[::-1])
-        touched, active = self._touched[other], raw["efc_address"] >= 0
-        row = raw["efc_address"] + np.repeat(np.cumsum([0, *map(len, forces[:-1])]), counts[counts > 0])
-        local = np.concatenate(forces)[row[:, None] * active[:, None] + np.arange(3)]
+        counts, geom, address = ends[1:] - ends[:-1], raw["geom"], raw["efc_address"]
+        swapped = self._link[geom[:, 0]] >= 0
+        other, own = np.where(swapped, geom.T[::-1], geom.T) if swapped.any() else geom.T
+        row = address + np.repeat(np.cumsum([0, *map(len, forces[:-1])]), counts[counts > 0])
+        local = np.concatenate(forces)[np.where(address < 0, 0, row)[:, None] + np.arange(3)]
         force = (local[:, None] @ raw["frame"].reshape(-1, 3, 3))[:, 0]  # on the second shape
-        force[robot_first] *= -1.0
-        kept = np.where(touched == FLOOR, force[:, 2] > 0.0, raw["dist"] <= 0.0) & active
+        force[swapped] *= -1.0
+        touched = self._touched[other]
+        kept = np.where(touched == FLOOR, force[:, 2] > 0.0, raw["dist"] <= 0.0) & (address >= 0)
         step, depth = np.repeat(np.arange(len(counts)), counts), np.maximum(-raw["dist"], 0.0)
-        parts = (step, self._link[own], self._foot[own], touched, raw["pos"], force, depth)
-        return Contacts(*(part[kept] for part in parts))
+        parts = (step, self._link[own], self._foot[own], touched, raw["pos"].copy(), force, depth)
+        return Contacts(*parts) if kept.all() else Contacts(*(part[kept] for part in parts))
 
     def _make_room(self, room: int) -> None:
         """Make room for more points; those in it stay."""

@@ -52,6 +52,7 @@ class World:
         self._dt = robot.simulation.time_step
         self._model.dof_armature[self._speed] = self._dt * (self._damping + self._dt * self._stiffness)
         self._limits = robot.body.effort_limits
+        self._calm = (1.0 - robot.servo.speed_fade) * robot.body.speed_limits
         self._goal, self._goal_speed = np.zeros((2, len(named)))
         self._touching = Touching(self._model, simulated, len(scene.obstacles))
         self._placed, self._pushed = False, False
@@ -87,11 +88,17 @@ class World:
         torque = self._stiffness * (self._goal - angles - self._dt * speeds)
         torque += self._damping * (self._goal_speed - speeds)
         if self._limited:
-            torque[:count] = within_limits(self.scene.robot, torque[:count], speeds[:count])
+            torque[:count] = self._within_limits(torque[:count], speeds[:count])
         data.ctrl[:] = torque
         self.torque = torque[:count]
         if self._limited:
             self.saturated = np.abs(self.torque) >= self._limits
+
+    def _within_limits(self, torque: np.ndarray, speeds: np.ndarray) -> np.ndarray:
+        """Torques (J,) that limited servos can give; below the speeds at which they fade, that is quickly said."""
+        if (np.abs(speeds) < self._calm).all():
+            return np.asarray(np.minimum(np.maximum(torque, -self._limits), self._limits))
+        return within_limits(self.scene.robot, torque, speeds)
 
     def push(self, force: np.ndarray) -> None:
         """Push the root link at its centre of mass during the next step: force (3,) in the world's axes [N]."""
