@@ -5,7 +5,7 @@ zero. Leg 2 passes with the toe down, so that the trailing shank stays upright, 
 linearly to zero. Times are shares of the single support; heights include the margin.
 
 When leg 1 comes down is a choice: early, and it lands softly; late, and its knee need not reach so far. The paper asks
-for a soft landing (Sec. III-B), so the planner takes the earliest descent with which it finds a plan.
+for a soft landing (Sec. III-B), so of the later descents the planner takes the earliest with which it finds a plan.
 """
 
 from __future__ import annotations

@@ -97,19 +97,6 @@ def plan_in_detail(
             require_speeds(mover, found.motion)
         return found
 
-    left = iter(range(SEARCH))
-
-    def search_attempt(other: Obstacle, key: KeyConfiguration, options: Options) -> Plan:
-        if next(left, None) is None:
-            raise Infeasible("the search for the nearest obstacle ends", walking=True)
-        return attempt(other, key, options)
-
-    def crossable(other: Obstacle) -> bool:
-        try:
-            return plannable(mover, key_configurations(mover, other), options, partial(search_attempt, other))
-        except Infeasible:
-            return False
-
     try:
         keys = key_configurations(mover, obstacle)  # 1: FU
         feasibility_time = time.perf_counter() - start
@@ -117,7 +104,7 @@ def plan_in_detail(
     except Infeasible as error:
         error.forget_frames()
         if error.nearest is None and look_for_nearest and not error.walking:
-            error.nearest = nearest_crossable(obstacle, crossable, progress)
+            error.nearest = _nearest(mover, obstacle, options, attempt, progress)
         raise
     total = time.perf_counter() - start
     times = {"feasibility": feasibility_time, "trajectories": total - feasibility_time, "total": total}
@@ -222,6 +209,30 @@ def whole_body(robot: Robot, poses: WaistAndFeet, upper: np.ndarray, time: np.nd
         leg = robot.leg(side)
         q[:, leg.columns] = leg.inverse(poses.waist, poses.feet.foot(side), time)
     return q
+
+
+def _nearest(
+    robot: Robot,
+    obstacle: Obstacle,
+    options: list[Options],
+    attempt: Callable[[Obstacle, KeyConfiguration, Options], Plan],
+    progress: Callable[[float], None] | None,
+) -> Obstacle | None:
+    """The nearest obstacle that some of the options plan, within a number of attempts."""
+    left = iter(range(SEARCH))
+
+    def counted(other: Obstacle, key: KeyConfiguration, some: Options) -> Plan:
+        if next(left, None) is None:
+            raise Infeasible("the search for the nearest obstacle ends", walking=True)
+        return attempt(other, key, some)
+
+    def crossable(other: Obstacle) -> bool:
+        try:
+            return plannable(robot, key_configurations(robot, other), options, partial(counted, other))
+        except Infeasible:
+            return False
+
+    return nearest_crossable(obstacle, crossable, progress)
 
 
 def _footsteps(sequence: StepSequence) -> Footsteps:
