@@ -331,7 +331,7 @@ def test_a_key_configuration_that_is_passed_over_would_not_have_done(robot, monk
 
 def test_the_error_is_what_lacks_least_with_all_that_may_be_used(robot):
     with pytest.raises(Infeasible, match="FTA cannot free the trailing leg: LLEG_LINK") as caught:
-        plan_in_detail(robot, Obstacle(0.265, 0.05), look_for_nearest=False)
+        plan_in_detail(robot, Obstacle(0.27, 0.05), look_for_nearest=False)
     assert 0.0 < caught.value.short < 0.04
 
 

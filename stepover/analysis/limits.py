@@ -5,12 +5,17 @@ Heights are found by bisection between a possible and an impossible one.
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass
+
+import numpy as np
 
 from stepover.errors import Infeasible
 from stepover.model.obstacle import Obstacle
 from stepover.model.robot import Robot
+from stepover.motion.footsteps import LEG_1
+from stepover.planning.algorithm_1.plan import Plan
 from stepover.planning.algorithm_1.planner import plan_in_detail
 from stepover.planning.checks import speed_ratio
 
@@ -49,6 +54,19 @@ def highest_plan(robot: Robot, width: float, *, arms: str, extras: bool, resolut
     return highest(
         lambda height: _works(plan_in_detail, robot, Obstacle(height, width), **options), 0.1, 0.35, resolution
     )
+
+
+def with_authors_swing(robot: Robot) -> Robot:
+    """The robot with the authors' control points of FTG alone: no later swing is tried."""
+    return dataclasses.replace(robot, late_swing=dataclasses.replace(robot.late_swing, leg1_descent=()))
+
+
+def landing_speed(planned: Plan, height: float = 0.01) -> float:
+    """How fast leg 1 comes down at a height of its sole frame before it lands [m/s]."""
+    step = planned.sequence.step(LEG_1)
+    above = planned.motion.foot(step.side)[step.swing, 2]
+    last = int(np.flatnonzero(above > height)[-1])
+    return float(above[last] - above[last + 1]) / planned.motion.dt
 
 
 def speeds(robot: Robot, obstacle: Obstacle, speed_limits: str = "ignore") -> Speeds:

@@ -24,6 +24,7 @@ from stepover.model.parameters.planning import (
     BeyondPaper,
     Checks,
     Feasibility,
+    LateSwing,
     Preview,
     SteppingOver,
     Walk,
@@ -46,7 +47,8 @@ class Robot:
         body: multi-body model described by the URDF.
         root: name of the root link, the waist.
         legs, foot, outline, posture, upper_body: facts that a URDF cannot contain.
-        walk, feasibility, stepping_over, preview, adaptor, beyond_paper, checks, quasi_static: parameters of planners.
+        walk, feasibility, stepping_over, late_swing, preview, adaptor, beyond_paper, checks, quasi_static: parameters
+            of planners.
         simulation, servo, sole, stabilizer: parameters of the physics and of the stabilizer.
         slow: tables that replace others if the plan must keep the joints' speed limits.
     """
@@ -65,6 +67,7 @@ class Robot:
     stepping_over: SteppingOver = field(default_factory=SteppingOver)
     preview: Preview = field(default_factory=Preview)
     adaptor: Adaptor = field(default_factory=Adaptor)
+    late_swing: LateSwing = field(default_factory=LateSwing)
     beyond_paper: BeyondPaper = field(default_factory=BeyondPaper)
     checks: Checks = field(default_factory=Checks)
     quasi_static: QuasiStatic = field(default_factory=QuasiStatic)

@@ -180,10 +180,38 @@ class Adaptor:
 
 
 @dataclass(frozen=True)
+class LateSwing:
+    """Later control points of FTG, for obstacles over which the knees do not reach with those of SteppingOver.
+
+    Leg 1 comes down later, and faster: so FTG takes the earliest descent that reaches. Leg 2's six values replace those
+    of SteppingOver.
+    """
+
+    leg1_descent: tuple[float, ...] = parameter(
+        (0.78, 0.84),
+        "share",
+        "times when leg 1's foot is above its landing point, at the obstacle's height, in the order of their trial; "
+        "the highest point is later in proportion",
+    )
+    leg2_rise: float = parameter(0.25, "share", "time when the toe is before the front margin", below=("leg2_descent",))
+    leg2_descent: float = parameter(0.67, "share", "time when the heel is behind the rear margin")
+    leg2_descent_drop: float = parameter(
+        0.50, "share", "part of the toe's drop by which the foot has come down by then", sign="not negative"
+    )
+    leg2_pitch_start: float = parameter(
+        0.088, "share", "time when the toe-down pitch begins", below=("leg2_pitch_full",)
+    )
+    leg2_pitch_full: float = parameter(0.297, "share", "time of the full toe-down pitch", below=("leg2_descent",))
+    leg2_pitch_per_height_deg: float = parameter(
+        144.0, "deg/m", "toe-down pitch per height of the obstacle with its margin", sign="not negative"
+    )
+
+
+@dataclass(frozen=True)
 class BeyondPaper:
     """Methods added beyond the paper, for obstacles that its own methods cannot cross.
 
-    Level n uses all of them, with zmp_toe[n - 1]. The six values of leg 2 replace those of SteppingOver.
+    Level n uses all of them, with zmp_toe[n - 1].
     """
 
     zmp_toe: tuple[float, ...] = parameter(
@@ -200,18 +228,6 @@ class BeyondPaper:
         0.26, "share", "part of leg 2's swing until which zmp_heel holds", below=("zmp_ahead_at",)
     )
     zmp_ahead_at: float = parameter(0.65, "share", "part of leg 2's swing at which zmp_ahead is reached")
-    leg2_rise: float = parameter(0.25, "share", "time when the toe is before the front margin", below=("leg2_descent",))
-    leg2_descent: float = parameter(0.67, "share", "time when the heel is behind the rear margin")
-    leg2_descent_drop: float = parameter(
-        0.50, "share", "part of the toe's drop by which the foot has come down by then", sign="not negative"
-    )
-    leg2_pitch_start: float = parameter(
-        0.088, "share", "time when the toe-down pitch begins", below=("leg2_pitch_full",)
-    )
-    leg2_pitch_full: float = parameter(0.297, "share", "time of the full toe-down pitch", below=("leg2_descent",))
-    leg2_pitch_per_height_deg: float = parameter(
-        144.0, "deg/m", "toe-down pitch per height of the obstacle with its margin", sign="not negative"
-    )
     waist_delay: float = parameter(
         0.0, "s", "delay of the waist's lowest point after the double support", sign="not negative"
     )

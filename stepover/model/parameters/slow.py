@@ -21,6 +21,14 @@ SLOW: dict[str, dict[str, Any]] = {
     },
     "stepping_over": {"leg1_rise": 0.378, "leg1_descent": 0.776, "leg1_extra_lift": 0.08},
     "adaptor": {"shift_step": 0.0135, "shift_peak": 0.322, "raise_max": 0.12, "raise_peak": 0.257},
+    "late_swing": {
+        "leg2_rise": 0.293,
+        "leg2_descent": 0.598,
+        "leg2_descent_drop": 0.0,
+        "leg2_pitch_start": 0.005,
+        "leg2_pitch_full": 0.415,
+        "leg2_pitch_per_height_deg": 164.0,
+    },
     "beyond_paper": {
         "zmp_toe": (0.098,),  # nearer to the toe, and to the heel: the CoM passes more slowly
         "zmp_heel": 0.074,
@@ -29,12 +37,6 @@ SLOW: dict[str, dict[str, Any]] = {
         "zmp_toe_at": 0.463,
         "zmp_heel_until": 0.275,
         "zmp_ahead_at": 0.634,
-        "leg2_rise": 0.293,
-        "leg2_descent": 0.598,
-        "leg2_descent_drop": 0.0,
-        "leg2_pitch_start": 0.005,
-        "leg2_pitch_full": 0.415,
-        "leg2_pitch_per_height_deg": 164.0,
         "waist_delay": 0.30,  # still coming down where the trailing knee straightens
     },
 }

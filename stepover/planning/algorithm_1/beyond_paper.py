@@ -4,8 +4,8 @@
 
 The ZMP reference moves inside the sole: towards the rear foot's toe before leg 1 lands, so that the waist comes
 ahead and the lead knee does not over-stretch; towards the front foot's heel after leg 2 has lifted off, so that
-the trailing knee does not, and ahead again while the trailing leg passes. And leg 2 comes down later and with more
-toe-down pitch, since FTA holds it back. Where speed limits are to be kept, the waist is lowest only after the double
+the trailing knee does not, and ahead again while the trailing leg passes. Leg 2 swings late, see `swing_shape`. Where
+speed limits are to be kept, the waist is lowest only after the double
 support: still coming down, it takes speed from the straightening trailing knee.
 """
 
@@ -15,18 +15,9 @@ import dataclasses
 
 import numpy as np
 
-from stepover.model.parameters.planning import SteppingOver
 from stepover.model.robot import Robot
 from stepover.motion.footsteps import LEG_1, LEG_2
 from stepover.planning.algorithm_1.step_sequence import StepSequence
-
-
-def extra_shape(robot: Robot, level: int) -> SteppingOver:
-    """Shape of the feet trajectories: the paper's at level 0, beyond it from level 1 on."""
-    if level == 0:
-        return robot.stepping_over
-    fields = dataclasses.asdict(robot.beyond_paper)
-    return dataclasses.replace(robot.stepping_over, **{k: v for k, v in fields.items() if k.startswith("leg2_")})
 
 
 def waist_delay(robot: Robot, level: int) -> float:

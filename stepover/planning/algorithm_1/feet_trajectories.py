@@ -3,12 +3,17 @@
 Leg 1 rises before the obstacle, passes it, and lands behind it from above with a speed that falls linearly to
 zero. Leg 2 passes with the toe down, so that the trailing shank stays upright, and its forward speed falls
 linearly to zero. Times are shares of the single support; heights include the margin.
+
+When leg 1 comes down is a choice: early, and it lands softly; late, and its knee need not reach so far. The paper asks
+for a soft landing (Sec. III-B), so of the later descents the planner takes the earliest with which it finds a plan.
 """
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -58,6 +63,24 @@ def feet_trajectories(crossing: Crossing, shape: SteppingOver | None = None) -> 
             position[step.touch_down :] = [*step.end, 0.0]
         feet[side] = pose(position, 0.0, pitch)
     return FeetTrajectories(feet[1], feet[-1])
+
+
+def swing_shape(robot: Robot, late: int, leg_2_late: bool) -> SteppingOver:
+    """Shape of the swings over the obstacle.
+
+    Args:
+        robot: the robot.
+        late: 0: the authors' control points; n: leg 1 comes down at the n-th of the later times, and leg 2 swings late.
+        leg_2_late: whether leg 2 swings late in any case.
+    """
+    own, later = robot.stepping_over, robot.late_swing
+    if not late and not leg_2_late:
+        return own
+    changes: dict[str, Any] = {k: v for k, v in dataclasses.asdict(later).items() if k.startswith("leg2_")}
+    if late:
+        descent = later.leg1_descent[late - 1]
+        changes |= {"leg1_descent": descent, "leg1_top": own.leg1_top * descent / own.leg1_descent}
+    return dataclasses.replace(own, **changes)
 
 
 def swing_of(crossing: Crossing, step: Step, shape: SteppingOver) -> Swing:

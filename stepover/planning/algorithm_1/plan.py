@@ -23,11 +23,13 @@ class Options:
         arms: "auto", "on" or "off": UBMG.
         methods: which of FTA's three methods.
         level: of what is added beyond the paper; 0: nothing.
+        late: which of FTG's later swings; 0: the authors' control points.
     """
 
     arms: str = "auto"
     methods: tuple[int, ...] = METHODS
     level: int = 0
+    late: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,6 +85,7 @@ class Plan:
         return {
             "filter_passes": self.filter_passes,
             "beyond_paper_level": self.options.level,
+            "late_swing": self.options.late,
             "ubmg": {
                 "acted": upper.arm_swing > 0.0,
                 "arm_swing": upper.arm_swing,

@@ -15,12 +15,12 @@ from stepover.model.obstacle import Obstacle
 from stepover.model.robot import Robot
 from stepover.motion.footsteps import Footsteps
 from stepover.motion.motion import Motion, obstacle_row
-from stepover.planning.algorithm_1.beyond_paper import extra_shape, extra_zmp, waist_delay
+from stepover.planning.algorithm_1.beyond_paper import extra_zmp, waist_delay
 from stepover.planning.algorithm_1.com_waist import com_and_waist
 from stepover.planning.algorithm_1.dynamic_filter import filtered_waist
 from stepover.planning.algorithm_1.feasibility import KeyConfiguration, key_configurations
 from stepover.planning.algorithm_1.feet_adaptor import adapt_feet
-from stepover.planning.algorithm_1.feet_trajectories import feet_trajectories
+from stepover.planning.algorithm_1.feet_trajectories import feet_trajectories, swing_shape
 from stepover.planning.algorithm_1.plan import Nominal, Options, Plan
 from stepover.planning.algorithm_1.search import first_plan, options_in_order, plannable
 from stepover.planning.algorithm_1.shift_and_raise import raise_waist
@@ -97,19 +97,6 @@ def plan_in_detail(
             require_speeds(mover, found.motion)
         return found
 
-    left = iter(range(SEARCH))
-
-    def search_attempt(other: Obstacle, key: KeyConfiguration, options: Options) -> Plan:
-        if next(left, None) is None:
-            raise Infeasible("the search for the nearest obstacle ends", walking=True)
-        return attempt(other, key, options)
-
-    def crossable(other: Obstacle) -> bool:
-        try:
-            return plannable(mover, key_configurations(mover, other), options, partial(search_attempt, other))
-        except Infeasible:
-            return False
-
     try:
         keys = key_configurations(mover, obstacle)  # 1: FU
         feasibility_time = time.perf_counter() - start
@@ -117,7 +104,7 @@ def plan_in_detail(
     except Infeasible as error:
         error.forget_frames()
         if error.nearest is None and look_for_nearest and not error.walking:
-            error.nearest = nearest_crossable(obstacle, crossable, progress)
+            error.nearest = _nearest(mover, obstacle, options, attempt, progress)
         raise
     total = time.perf_counter() - start
     times = {"feasibility": feasibility_time, "trajectories": total - feasibility_time, "total": total}
@@ -178,7 +165,7 @@ def nominal_trajectories(robot: Robot, obstacle: Obstacle, key: KeyConfiguration
     level = options.level
     sequence = extra_zmp(robot, step_sequence(robot, obstacle, key, robot.rest_zmp()), level)  # 2: FTG
     crossing = Crossing(robot, obstacle, sequence)
-    ftg = feet_trajectories(crossing, extra_shape(robot, level))
+    ftg = feet_trajectories(crossing, swing_shape(robot, options.late, leg_2_late=level > 0))
     first = com_and_waist(robot, sequence, key, waist_delay(robot, level))  # 3: CWTG1
     upper = upper_body(robot, sequence, ftg, first, options.arms)  # 5: UBMG
     return Nominal(crossing, ftg, first, upper, moved(first.waist, upper.waist_shift))
@@ -222,6 +209,30 @@ def whole_body(robot: Robot, poses: WaistAndFeet, upper: np.ndarray, time: np.nd
         leg = robot.leg(side)
         q[:, leg.columns] = leg.inverse(poses.waist, poses.feet.foot(side), time)
     return q
+
+
+def _nearest(
+    robot: Robot,
+    obstacle: Obstacle,
+    options: list[Options],
+    attempt: Callable[[Obstacle, KeyConfiguration, Options], Plan],
+    progress: Callable[[float], None] | None,
+) -> Obstacle | None:
+    """The nearest obstacle that some of the options plan, within a number of attempts."""
+    left = iter(range(SEARCH))
+
+    def counted(other: Obstacle, key: KeyConfiguration, some: Options) -> Plan:
+        if next(left, None) is None:
+            raise Infeasible("the search for the nearest obstacle ends", walking=True)
+        return attempt(other, key, some)
+
+    def crossable(other: Obstacle) -> bool:
+        try:
+            return plannable(robot, key_configurations(robot, other), options, partial(counted, other))
+        except Infeasible:
+            return False
+
+    return nearest_crossable(obstacle, crossable, progress)
 
 
 def _footsteps(sequence: StepSequence) -> Footsteps:

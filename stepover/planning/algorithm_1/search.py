@@ -1,7 +1,8 @@
 """Which key configuration, with which options? The order in which Algorithm 1 is tried.
 
-What the paper describes comes first, with the arms at rest while the knees allow it; then UBMG; then what is added
-beyond the paper. With each of these options the key configurations are tried in the order of FU.
+What the paper describes comes first, with the authors' control points of FTG, and with the arms at rest while the knees
+allow it; then UBMG; then what is added beyond the paper. Later swings of FTG come last: they reach further without any
+addition, but land less softly. With each of these options the key configurations are tried in the order of FU.
 """
 
 from __future__ import annotations
@@ -31,10 +32,14 @@ SEVERAL = 4
 
 def options_in_order(robot: Robot, arms: str, extras: bool, speed_limits: str) -> list[Options]:
     """What to try, in this order; where speed limits are to be kept, everything that is allowed at once."""
-    first = [Options("off")] if arms == "auto" else []
+    both = ("off", "auto") if arms == "auto" else (arms,)
+    swings = range(1, len(robot.late_swing.leg1_descent) + 1)
     levels = range(1, len(robot.beyond_paper.zmp_toe) + 1) if extras else ()
-    every = [*first, Options(arms), *(Options(arms, level=level) for level in levels)]
-    return every[-1:] if speed_limits == "respect" else every
+    every = [Options(some) for some in both] + [Options(arms, level=level) for level in levels]
+    every += [Options(some, late=late) for late in swings for some in both]
+    if speed_limits == "respect":
+        return [Options(arms, level=max(levels, default=0))]
+    return every
 
 
 def first_plan(robot: Robot, keys: list[KeyConfiguration], options: list[Options], attempt: Attempt) -> Plan:
