@@ -15,7 +15,14 @@ from stepover.report.figures.limits import clearance_by_units, highest_with_and_
 from stepover.report.figures.planned import lateral_direction, preview_forms, walking_direction
 from stepover.report.figures.posture import key_configuration
 from stepover.report.figures.robustness import robustness
-from stepover.report.figures.simulated import clearance, contact_forces, failure, planned_and_simulated, strip
+from stepover.report.figures.simulated import (
+    clearance,
+    contact_forces,
+    failure,
+    planned_and_simulated,
+    strip,
+    two_engines,
+)
 from stepover.report.figures.strategies import (
     duration_over_epsilon,
     strategies_by_height,
@@ -64,6 +71,7 @@ __all__ = [
     "strategies_by_height",
     "strip",
     "swings",
+    "two_engines",
     "upper_body",
     "walking_direction",
     "ways_from_above",
