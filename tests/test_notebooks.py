@@ -40,7 +40,7 @@ FIGURES = {
         "pybullet_25cm_contact_forces",
         "pybullet_25cm_zmp_and_waist",
     },
-    "robustness": {"robustness"},
+    "robustness": {"breaking_points", "robustness"},
     "servos_and_soles": {"estimator_error", "heights_with_servos", "stabilized"},
     "two_engines": {"two_engines"},
     "stepover_15cm": {

@@ -14,7 +14,7 @@ from stepover.report.figures.landing import (
 from stepover.report.figures.limits import clearance_by_units, highest_with_and_without_yaw, obstacle_plane
 from stepover.report.figures.planned import lateral_direction, preview_forms, walking_direction
 from stepover.report.figures.posture import key_configuration
-from stepover.report.figures.robustness import robustness
+from stepover.report.figures.robustness import breaking, robustness
 from stepover.report.figures.simulated import (
     clearance,
     contact_forces,
@@ -38,6 +38,7 @@ __all__ = [
     "arms_and_lead_knee",
     "before_and_after",
     "block_diagram",
+    "breaking",
     "cart",
     "clearance",
     "clearance_by_units",
