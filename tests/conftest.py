@@ -6,7 +6,8 @@ import copy
 import json
 import math
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Generator
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+from stepover.errors import InvalidInput
 from stepover.locations import data_folder
 from stepover.model import pose
 from stepover.model.obstacle import Obstacle
@@ -24,6 +26,34 @@ from stepover.planning.algorithm_1.planner import plan_in_detail
 from stepover.robots.loading import load_robot
 
 HRP2 = data_folder() / "hrp2"
+PYBULLET = find_spec("pybullet") is not None
+"""Python 3.12 and later have none. There, the tests that need it are left out, and all others run."""
+collect_ignore = [] if PYBULLET else [
+    path.name for path in Path(__file__).parent.glob("test_*.py")
+    if any(line.startswith("from stepover.simulation.pybullet") for line in path.read_text().splitlines())
+]  # fmt: skip
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_pyfunc_call() -> Generator[None, object, object]:
+    """Skip a test that finds no PyBullet."""
+    return (yield from _skipped_without_pybullet())
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_fixture_setup() -> Generator[None, object, object]:
+    """The same for what a test builds on."""
+    return (yield from _skipped_without_pybullet())
+
+
+def _skipped_without_pybullet() -> Generator[None, object, object]:
+    """What pytest does next, unless it needs PyBullet and there is none."""
+    try:
+        return (yield)
+    except InvalidInput as error:
+        if PYBULLET or "needs PyBullet" not in str(error):
+            raise
+        pytest.skip(str(error))
 
 
 def yaw_of(poses: np.ndarray) -> np.ndarray:

@@ -15,7 +15,12 @@ from stepover.extras import EXTRAS, needs
 from stepover.locations import data_folder
 
 ROOT = data_folder().parent
-NO_PYBULLET = "simulate needs PyBullet: pip install 'stepover[pybullet]', or take --engine mujoco"
+NEWER = sys.version_info[:2] > (3, 11)
+THIS = f", which has no wheel for Python {sys.version_info.major}.{sys.version_info.minor}" if NEWER else ""
+NO_PYBULLET = (
+    f"simulate needs PyBullet{THIS}: pip install 'stepover[pybullet]'{' under Python 3.11' if NEWER else ''}, "
+    "or take --engine mujoco"
+)
 BLOCKED = """
 import sys
 class Blocked:

@@ -40,8 +40,9 @@ FIGURES = {
         "pybullet_25cm_contact_forces",
         "pybullet_25cm_zmp_and_waist",
     },
-    "robustness": {"robustness"},
+    "robustness": {"breaking_points", "robustness"},
     "servos_and_soles": {"estimator_error", "heights_with_servos", "stabilized"},
+    "two_engines": {"two_engines"},
     "stepover_15cm": {
         "fig1_key_configuration",
         "fig4_block_diagram",
@@ -69,6 +70,7 @@ WHATEVER_THE_HEIGHT = {
 OTHERWISE = {
     "pybullet_15cm": "its claim is a word",
     "robustness": "refuses a motion that its table was not made from",
+    "two_engines": "it has no claims",
     "servos_and_soles": "its claim is read from a table over all heights",
 }
 """Notebooks without a number that depends on the height."""

@@ -267,7 +267,7 @@ class TestStudy:
         run()
         assert parts() == 1
         for count, changed in enumerate(
-            [{"seed": 1}, {"sole": "rigid"}, {"actuators": "ideal"}, {"engine": "mujoco"}, {"carried": short}], 2
+            [{"seed": 1}, {"sole": "rigid"}, {"actuators": "ideal"}, {"engine": "pybullet"}, {"carried": short}], 2
         ):
             run(**changed)
             assert parts() == count

@@ -14,8 +14,15 @@ from stepover.report.figures.landing import (
 from stepover.report.figures.limits import clearance_by_units, highest_with_and_without_yaw, obstacle_plane
 from stepover.report.figures.planned import lateral_direction, preview_forms, walking_direction
 from stepover.report.figures.posture import key_configuration
-from stepover.report.figures.robustness import robustness
-from stepover.report.figures.simulated import clearance, contact_forces, failure, planned_and_simulated, strip
+from stepover.report.figures.robustness import breaking, robustness
+from stepover.report.figures.simulated import (
+    clearance,
+    contact_forces,
+    failure,
+    planned_and_simulated,
+    strip,
+    two_engines,
+)
 from stepover.report.figures.strategies import (
     duration_over_epsilon,
     strategies_by_height,
@@ -31,6 +38,7 @@ __all__ = [
     "arms_and_lead_knee",
     "before_and_after",
     "block_diagram",
+    "breaking",
     "cart",
     "clearance",
     "clearance_by_units",
@@ -64,6 +72,7 @@ __all__ = [
     "strategies_by_height",
     "strip",
     "swings",
+    "two_engines",
     "upper_body",
     "walking_direction",
     "ways_from_above",

@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from stepover.report.figures.style import PLANNED, REFERENCE, SIMULATED, numbered, panels, styled
+from stepover.studies import breaking_points
 from stepover.studies.robustness import Outcome
 from stepover.studies.success_rates import EQUIPPED, MEASURES, Rate, binned, equipped, influences, rate
 
@@ -56,6 +57,26 @@ def robustness(rows: Sequence[Outcome]) -> Figure:
     numbered(axes, ["all draws", *[""] * len(shown)])
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside upper center", ncols=3,
                   title="bars: 95 % Wilson intervals", title_fontsize=9)  # fmt: skip
+    return figure
+
+
+@styled
+def breaking(rows: Sequence[breaking_points.Outcome]) -> Figure:
+    """Outcomes over the size of each disturbance alone, with the share of successes that fits them best."""
+    figure, grid = panels(2, 4.2, columns=4, sharey=True)
+    for axis, (name, kind) in zip(grid.ravel(), breaking_points.KINDS.items(), strict=True):
+        some = [row for row in rows if row.kind == name]
+        for crossed, colour, marker in ((True, PLANNED, "o"), (False, SIMULATED, "x")):
+            sizes = [row.size for row in some if row.crossed is crossed]
+            axis.plot(sizes, [float(crossed)] * len(sizes), color=colour, marker=marker, ms=3.5, ls="")
+        if not all(row.crossed for row in some):
+            middle, width = breaking_points.success_over_size(some)
+            shown = np.linspace(min(kind.begin, kind.end), max(kind.begin, kind.end), 200)
+            axis.plot(shown, 1.0 / (1.0 + np.exp((shown - middle) / width)), color=REFERENCE, lw=0.8)
+        for share in (0.5, AIM):
+            axis.axhline(share, color=REFERENCE, lw=0.5, ls=":")
+        axis.set(xlabel=f"{name} [{kind.unit}]" if kind.unit else name, xlim=(kind.begin, kind.end), ylim=(-0.06, 1.06))
+        axis.set_yticks([0.0, 0.5, 1.0], ["fails", "50 %", "crosses"])
     return figure
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -173,3 +173,26 @@ def _failing_sample(run: Run) -> int:
     if run.fall_time is not None:
         found.append(int(np.searchsorted(run.series.time, run.fall_time)))
     return min(found, default=len(run.series.time) - 1)
+
+
+@styled
+def two_engines(runs: Mapping[str, Mapping[str, Run]]) -> Figure:
+    """ZMP error, waist error, force on leg 1's foot and clearance over time in both engines; a column a robot."""
+    figure, grid = panels(4, 7.0, len(runs), sharex=True, sharey="row")
+    for column, (equipment, each) in zip(grid.T, runs.items(), strict=True):
+        motion = next(iter(each.values())).motion
+        looks = {"color": SIMULATED, "lw": 2.0, "alpha": 0.6}, {"color": PLANNED, "lw": 0.7}
+        for (engine, run), look in zip(each.items(), looks, strict=True):
+            series, foot = run.series, "left" if motion.footsteps.of_kind(2).side[0] > 0 else "right"
+            force = getattr(series, f"{foot}_wrench")[:, 2]
+            curves = 1e3 * series.zmp_error[:, 0], 1e3 * series.waist_error, force, 1e3 * series.clearance
+            for axis, curve in zip(column, curves, strict=True):
+                axis.plot(series.time, curve, label=engine, **look)
+        column[0].set_title(equipment)
+        column[3].set_ylim(0.0, 1e3 * SHOWN / 2.0)
+        time_axis(column, motion, names="")
+    names = ("ZMP error, x [mm]", "waist from plan [mm]", "force on leg 1 [N]", "clearance [mm]")
+    for axis, name in zip(grid[:, 0], names, strict=True):
+        axis.set_ylabel(name)
+    figure.legend(*grid[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
+    return figure

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from stepover.report.tables.table import Table, table
+from stepover.studies import breaking_points
 from stepover.studies.robustness import Outcome
 from stepover.studies.success_rates import EQUIPPED, equipped, influences, nearness, rate
 
@@ -52,6 +55,19 @@ def failures_table(rows: Sequence[Outcome]) -> Table:
         (row.draw, EQUIPPED[row.stabilizer], f"{row.failure_time:.3f}", row.reason) for row in rows if not row.success
     ]
     return table("draw | robot | failed at [s] | reason", failed or [("none", "-", "-", "-")])
+
+
+def breaking_table(rows: Sequence[breaking_points.Outcome]) -> Table:
+    """How much of each disturbance alone the stabilized robot bears."""
+    lines = []
+    for name, kind in breaking_points.KINDS.items():
+        some = [row for row in rows if row.kind == name]
+        crossed, most = sum(row.crossed for row in some), f"beyond {kind.end:g}"
+        sizes = [breaking_points.borne(some, share) for share in (0.95, 0.5)]
+        cells = [most if np.isnan(size) else f"{size:.3g}" for size in sizes]
+        failed = sum(row.reason.startswith("hit") for row in some if not row.crossed)
+        lines.append((name, kind.unit, f"{crossed} of {len(some)}", *cells, failed, len(some) - crossed - failed))
+    return table("disturbance | unit | crossed | 95 % cross at | 50 % cross at | touched the obstacle | fell", lines)
 
 
 def agreement_table(compared: Sequence[tuple[Outcome, str]]) -> Table:

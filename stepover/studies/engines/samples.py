@@ -138,6 +138,17 @@ def read_table(path: Path | None = None) -> list[Outcome]:
     return read_rows(Outcome, path or stored_table(NAME))
 
 
+def highest(rows: Sequence[Outcome], engine: str, sole: str) -> float:
+    """Highest obstacle that servos cross in an engine, with all lower ones, on "rigid" soles or "rubber" [m]."""
+    known = {(row.name, row.engine): row for row in rows}
+    reached = 0.0
+    for height in HEIGHTS:
+        if not known[f"{1e2 * height:g} cm, servos, {sole}", engine].crossed:
+            break
+        reached = height
+    return reached
+
+
 def pairs(rows: Sequence[Outcome]) -> list[tuple[Outcome, Outcome]]:
     """The rows of each case, in the order of BOTH."""
     found = {(row.study, row.name, row.engine): row for row in rows}
