@@ -141,7 +141,7 @@ def _number(hint: Any, raw: Any, where: str, entry: Entry) -> float | int:
     if entry.unit == "share" and raw >= 1.0:
         raise WrongEntry(f"{where} = {raw!r} must be less than 1: it is a share", where)
     unit = "" if entry.unit == "count" else f" {entry.unit}"
-    if raw > entry.limit:
+    if abs(raw) > entry.limit:
         raise WrongEntry(f"{where} = {raw!r} must be {entry.limit:g}{unit} at most", where)
     if entry.least is not None and raw < entry.least:
         raise WrongEntry(f"{where} = {raw!r} must be {entry.least:g}{unit} at least", where)

@@ -38,8 +38,8 @@ class Entry:
 
     @property
     def limit(self) -> float:
-        """The largest allowed value."""
-        known = MOST.get(self.unit, float("inf")) if self.sign != "any" else float("inf")
+        """The largest allowed size of a value."""
+        known = MOST.get(self.unit, float("inf"))
         return known if self.most is None else self.most
 
 
