@@ -20,12 +20,12 @@ def self_clearance(
         up_to: if all distances are larger than this [m], the result is one of them, not always the smallest.
     """
     look = Placements(placements.rotations[::every], placements.positions[::every])
-    bounds = _lower_bounds(pairs, look, up_to)
+    bounds = lower_bounds(pairs, look, up_to)
     distance, which, k = smallest(bounds, lambda i, k: distance_between(*pairs[i], look, k), up_to)
     return distance, pairs[which][0].link, pairs[which][1].link, k * every
 
 
-def _lower_bounds(pairs: list[tuple[Shape, Shape]], look: Placements, up_to: float) -> np.ndarray:
+def lower_bounds(pairs: list[tuple[Shape, Shape]], look: Placements, up_to: float) -> np.ndarray:
     """Lower bounds (pairs, n) of the distances [m].
 
     Boxes along the root's axes come first, since the legs hang side by side from the root. Most pairs are separated by
