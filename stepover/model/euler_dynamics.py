@@ -26,14 +26,18 @@ class EulerDynamics:
 
     def __init__(self, body: Body, joints: list[str], posture: np.ndarray) -> None:
         """Fix all other joints at a configuration (nq,) of the whole robot."""
-        root = pin.JointModelComposite(ROOT)
-        for joint in ("PX", "PY", "PZ", "RZ", "RY", "RX"):
-            root.addJoint(getattr(pin, f"JointModel{joint}")())
-        whole = pin.buildModelFromXML(urdf_text(body.description), root)
+        robot, whole, last = pin.buildModelFromXML(urdf_text(body.description)), pin.Model(), 0
+        for joint in ("PX", "PY", "PZ", "RZ", "RY", "RX"):  # one by one: of a composite, derivatives come out wrong
+            last = whole.addJoint(last, getattr(pin, f"JointModel{joint}")(), pin.SE3.Identity(), f"root {joint}")
+        frame = whole.addFrame(pin.Frame("root", last, 0, pin.SE3.Identity(), pin.FrameType.OP_FRAME))
+        whole = pin.appendModel(whole, robot, frame, pin.SE3.Identity())
         fixed = [whole.getJointId(name) for name in body.joint_names if name not in joints]
-        self._model = pin.buildReducedModel(whole, fixed, np.concatenate([np.zeros(ROOT), posture[7:]]))
+        reference = pin.neutral(whole)
+        for name in body.joint_names:
+            reference[whole.joints[whole.getJointId(name)].idx_q] = posture[body.column(name)]
+        self._model = pin.buildReducedModel(whole, fixed, reference)
         self._data, self._pool = self._model.createData(), pin.ModelPool(self._model, 1)
-        self.joints, self.mass = list(self._model.names)[2:], body.mass
+        self.joints, self.mass = list(self._model.names)[1 + ROOT :], body.mass
 
     def forces(self, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> np.ndarray:
         """Generalised forces (n, C) of inverse dynamics for coordinates, speeds and accelerations (n, C) each."""
