@@ -27,8 +27,8 @@ NEAR = 2e-2
 """Largest scaled violation of an obstacle on the way to the one that is asked for."""
 HOPELESS = 0.3
 """From a larger scaled violation on, more samples would not help."""
-FEWER = 12
-"""Largest number of iterations after samples were added."""
+FEWER, AGAIN = 12, 0.04
+"""Largest number of iterations, and first size of the trust region, after samples were added."""
 
 
 class Attempt(NamedTuple):
@@ -138,7 +138,8 @@ class Search:
                 self.report(Progress(*sizes, before + count, worst.value, worst.group.name))
 
         tolerance = self.parameters.tolerance if more is not None else NEAR
-        found, iterations = minimise(problem, x, tolerance, most or self.parameters.iterations, look)
+        trust = self.parameters.trust if more is None else AGAIN
+        found, iterations = minimise(problem, x, tolerance, most or self.parameters.iterations, trust, look)
         worst, count = found.worst, len(problem.scene.samples)
         named = f"{worst.group.name}: {worst.group.parts[worst.column]}"
         self.attempts.append(

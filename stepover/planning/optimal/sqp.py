@@ -35,11 +35,15 @@ def minimise(
     x: np.ndarray,
     tolerance: float,
     iterations: int,
+    trust: float,
     look: Callable[[Evaluation], None] | None = None,
 ) -> Solution:
-    """Search from x (n,), until the constraints are kept to a tolerance and little cost is left to gain."""
+    """Search from x (n,), until the constraints are kept to a tolerance and little cost is left to gain.
+
+    `trust` is the first size of the trust region, in units of each variable's own.
+    """
     p = problem.scene.parameters
-    here, trust = problem.at(x), p.trust
+    here = problem.at(x)
     for iteration in range(1, iterations + 1):
         step, promised = _step(here, trust * problem.variables.sizes, p.penalty)
         there = problem.at(here.x + step)
