@@ -54,7 +54,7 @@ class Optimal:
     iterations: int = parameter(30, "count", "largest number of iterations for one problem")
     penalty: float = parameter(3.0, "", "cost of a violated constraint, scaled by its own unit")
     trust: float = parameter(0.10, "", "first size of the trust region, in units of each variable's own")
-    tolerance: float = parameter(2e-3, "", "largest scaled violation that counts as kept")
+    tolerance: float = parameter(5e-3, "", "largest scaled violation that counts as kept")
     rounds: int = parameter(6, "count", "how often samples between the looked-at ones may be added")
 
     # Weights of the cost.

@@ -94,62 +94,26 @@ class Wrench(NamedTuple):
     torques: np.ndarray
 
 
-@dataclass(frozen=True, eq=False)
-class Instants:
-    """The motion at the samples of a scene, for one value of the variables.
+class Posed:
+    """Postures with speeds and accelerations, and the forces that they need.
 
     Attributes:
         scene: what stays the same.
-        steps: channels (3, n, C) one sample before, at, and one sample after.
-        front: front face of the obstacle [m].
+        samples: (n,) samples that they belong to.
+        q, v, a: (n, C) coordinates, their speeds and accelerations.
     """
 
     scene: Scene
-    steps: np.ndarray
-    front: float
-
-    @cached_property
-    def reached(self) -> Reached:
-        """Postures of all 3 n, flattened."""
-        return self.scene.channels.reach(self.steps.reshape(-1, self.steps.shape[2]))
-
-    @cached_property
-    def _three(self) -> np.ndarray:
-        """Coordinates (3, n, C)."""
-        return self.reached.q.reshape(self.steps.shape)
-
-    @property
-    def now(self) -> np.ndarray:
-        """Channels (n, C)."""
-        return np.asarray(self.steps[1])
-
-    @property
-    def q(self) -> np.ndarray:
-        """Coordinates (n, C): root x y z, yaw, pitch, roll; joints."""
-        return np.asarray(self._three[1])
-
-    @property
-    def distance(self) -> np.ndarray:
-        """Hip to ankle (n, 2), left and right [m]."""
-        return self.reached.distance.reshape(3, -1, 2)[1]
-
-    @cached_property
-    def v(self) -> np.ndarray:
-        """Speeds of the coordinates (n, C)."""
-        before, _, after = self._three
-        return _short_way(after - before) / (2.0 * self.scene.dt)
-
-    @cached_property
-    def a(self) -> np.ndarray:
-        """Accelerations (n, C)."""
-        before, here, after = self._three
-        return (_short_way(after - here) - _short_way(here - before)) / self.scene.dt**2
+    samples: np.ndarray
+    q: np.ndarray
+    v: np.ndarray
+    a: np.ndarray
 
     @cached_property
     def placements(self) -> Placements:
         """Of all joints."""
         channels, base = self.scene.channels, self.scene.base
-        return self.scene.robot.body.placements(channels.configurations(self.q, base.upper[self.scene.samples]))
+        return self.scene.robot.body.placements(channels.configurations(self.q, base.upper[self.samples]))
 
     @cached_property
     def axes(self) -> tuple[np.ndarray, np.ndarray]:
@@ -178,13 +142,6 @@ class Instants:
         return moved * self.scene.moved_by[joints][..., None]
 
     @cached_property
-    def _bearing_frame(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Joint (n,), rotation (n, 3, 3) and position (n, 3) of the bearing foot's last joint."""
-        index = [self.scene.robot.body.index(joint) for joint in self.scene.bearing_joints]
-        rows, joints = np.arange(len(index)), np.array(index)
-        return joints, self.placements.rotations[rows, joints], self.placements.positions[rows, joints]
-
-    @cached_property
     def forces(self) -> np.ndarray:
         """Generalised forces (n, C) of inverse dynamics."""
         return self.scene.channels.dynamics.forces(self.q, self.v, self.a)
@@ -195,6 +152,88 @@ class Instants:
         force = self.forces[:, :3]
         return force, np.linalg.solve(self.axes[0][:, 3:6], self.forces[:, 3:6, None])[..., 0]
 
+    def joint_torques(self, joints: np.ndarray, force: np.ndarray, moment: np.ndarray) -> np.ndarray:
+        """Torques (n, C - 6) where a force with its moment about the root (n, 3) acts on what moves with joints (n,)."""
+        (axes, origins), lever = self.axes, self.q[:, None, :3]
+        about = moment[:, None] + np.cross(lever - origins, force[:, None])
+        borne = np.einsum("nca,nca->nc", axes, about) * self.scene.moved_by[joints]
+        return np.asarray((self.forces - borne)[:, 6:])
+
+
+@dataclass(frozen=True, eq=False)
+class Probe(Posed):
+    """Any postures at some samples: to see what changes with q, v and a."""
+
+    scene: Scene
+    samples: np.ndarray
+    q: np.ndarray
+    v: np.ndarray
+    a: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Instants(Posed):
+    """The motion at the samples of a scene, for one value of the variables.
+
+    Attributes:
+        scene: what stays the same.
+        steps: channels (3, n, C) one sample before, at, and one sample after.
+        front: front face of the obstacle [m].
+    """
+
+    scene: Scene
+    steps: np.ndarray
+    front: float
+
+    @cached_property
+    def reached(self) -> Reached:
+        """Postures of all 3 n, flattened."""
+        return self.scene.channels.reach(self.steps.reshape(-1, self.steps.shape[2]))
+
+    @cached_property
+    def _three(self) -> np.ndarray:
+        """Coordinates (3, n, C)."""
+        return self.reached.q.reshape(self.steps.shape)
+
+    @property
+    def samples(self) -> np.ndarray:  # type: ignore[override]
+        """(n,) samples."""
+        return self.scene.samples
+
+    @property
+    def now(self) -> np.ndarray:
+        """Channels (n, C)."""
+        return np.asarray(self.steps[1])
+
+    @property
+    def q(self) -> np.ndarray:  # type: ignore[override]
+        """Coordinates (n, C): root x y z, yaw, pitch, roll; joints."""
+        return np.asarray(self._three[1])
+
+    @property
+    def distance(self) -> np.ndarray:
+        """Hip to ankle (n, 2), left and right [m]."""
+        return self.reached.distance.reshape(3, -1, 2)[1]
+
+    @cached_property
+    def v(self) -> np.ndarray:  # type: ignore[override]
+        """Speeds of the coordinates (n, C)."""
+        before, _, after = self._three
+        return _short_way(after - before) / (2.0 * self.scene.dt)
+
+    @cached_property
+    def a(self) -> np.ndarray:  # type: ignore[override]
+        """Accelerations (n, C)."""
+        before, here, after = self._three
+        return (_short_way(after - here) - _short_way(here - before)) / self.scene.dt**2
+
+    @cached_property
+    def _bearing_frame(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Joint (n,), rotation (n, 3, 3) and position (n, 3) of the bearing foot's last joint."""
+        index = [self.scene.robot.body.index(joint) for joint in self.scene.bearing_joints]
+        rows, joints = np.arange(len(index)), np.array(index)
+        return joints, self.placements.rotations[rows, joints], self.placements.positions[rows, joints]
+
     @cached_property
     def wrench(self) -> Wrench:
         """Forces on the bearing foot."""
@@ -203,13 +242,6 @@ class Instants:
         there = moment + np.cross(self.q[:, :3] - place, force)
         own = [np.einsum("nba,nb->na", turn, part) for part in (force, there)]
         return Wrench(*own, self.joint_torques(joints, force, moment))
-
-    def joint_torques(self, joints: np.ndarray, force: np.ndarray, moment: np.ndarray) -> np.ndarray:
-        """Torques (n, C - 6) where a force with its moment about the root (n, 3) acts on what moves with joints (n,)."""
-        (axes, origins), lever = self.axes, self.q[:, None, :3]
-        about = moment[:, None] + np.cross(lever - origins, force[:, None])
-        borne = np.einsum("nca,nca->nc", axes, about) * self.scene.moved_by[joints]
-        return np.asarray((self.forces - borne)[:, 6:])
 
     @cached_property
     def zmp(self) -> np.ndarray:

@@ -118,7 +118,7 @@ class Search:
             broken = whole.broken(self.parameters.tolerance)
             if not len(broken) and found.worst.value <= self.parameters.tolerance:
                 return found
-            more |= {int(k) + around for k in broken for around in (-1, 0, 1)}
+            more |= set(whole.broken(0.0).tolist())
             found = self._solve(obstacle, found.x, "last solution", more, FEWER)
         return found
 

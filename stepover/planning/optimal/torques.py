@@ -1,8 +1,7 @@
 """Joint torques of a finished motion, in single and in double support: an independent look at the limit.
 
-In single support the bearing foot takes the whole wrench of the floor. In double support each foot's force acts at the
-point of its sole that is nearest to the ZMP, and the two share the force by the lever rule: a foot bears the more, the
-nearer this point is. While the ZMP is inside a sole, that foot bears all. What is left of the moment is shared alike.
+In single support the bearing foot takes the whole wrench of the floor; in double support both share it by the rule of
+constraints/sharing.py. Unlike there, speeds and accelerations are taken on the manifold, as in all checks.
 """
 
 from __future__ import annotations
@@ -15,6 +14,7 @@ from stepover.model import pose
 from stepover.model.robot import Robot
 from stepover.motion.motion import Motion
 from stepover.planning.optimal.channels import SIDES
+from stepover.planning.optimal.constraints.sharing import lever_rule, nearest_in
 
 
 class TorqueRatio(NamedTuple):
@@ -51,8 +51,7 @@ def _shares(robot: Robot, motion: Motion, wrench: np.ndarray) -> list[tuple[int,
     """Side, force (N, 3) and moment about the world's origin (N, 3) of each foot."""
     force, moment = wrench[:, :3], wrench[:, 3:]
     points = {side: _nearest(robot, motion, side) for side in SIDES}
-    away = {side: np.linalg.norm(motion.zmp - point[:, :2], axis=1) for side, point in points.items()}
-    left = away[-1] / np.maximum(away[1] + away[-1], 1e-12)
+    left = lever_rule(motion.zmp, points[1][:, :2], points[-1][:, :2])
     left = np.select([motion.support > 0, motion.support < 0], [1.0, 0.0], left)[:, None]
     middle = left * points[1] + (1.0 - left) * points[-1]
     rest = moment - np.cross(middle, force)
@@ -65,8 +64,6 @@ def _shares(robot: Robot, motion: Motion, wrench: np.ndarray) -> list[tuple[int,
 
 def _nearest(robot: Robot, motion: Motion, side: int) -> np.ndarray:
     """Point (N, 3) of a sole that is nearest to the ZMP."""
-    sole, patch = motion.foot(side), robot.contact_patch(side)
-    turn = pose.rotation(sole)[:, :2, :2]
-    own = np.einsum("nba,nb->na", turn, motion.zmp - sole[:, :2])
-    inside = np.clip(own, patch.min(axis=0), patch.max(axis=0))
-    return np.column_stack([sole[:, :2] + np.einsum("nab,nb->na", turn, inside), np.zeros(len(sole))])
+    sole = motion.foot(side)
+    found = nearest_in(robot.contact_patch(side), pose.rotation(sole)[:, :2, :2], sole[:, :2], motion.zmp)
+    return np.column_stack([found, np.zeros(len(found))])

@@ -68,7 +68,8 @@ def variables_of(base: Base, p: Optimal, free_place: bool) -> Variables:
         blocks += [("swing", first + axis, _splines(time, knots, 2), FOOT) for axis in axes]
     for step in steps[:-1]:
         profile = sp.csr_matrix(_standing(base, step)[:, None])
-        blocks += [("foothold", of_sole(step.side).start + axis, profile, POSITION) for axis in (0, 1, 3)]
+        blocks += [("foothold", of_sole(step.side).start + axis, profile, POSITION) for axis in (0, 1)]
+        blocks.append(("toe-out", of_sole(step.side).start + 3, profile, TURN))
     columns = [_lifted(matrix, channel, count) for _, channel, matrix, _ in blocks]
     sizes = [np.full(matrix.shape[1], size) for _, _, matrix, size in blocks]
     names = [name for name, _, matrix, _ in blocks for _ in range(matrix.shape[1])]
