@@ -52,7 +52,9 @@ class EulerDynamics:
         """Derivatives (n, C, 3 C) of the generalised forces by q, v and a, with a wrench that acts on a joint's frame.
 
         Args:
-            q, v, a: (n, C) each.
+            q: (n, C) coordinates.
+            v: (n, C) speeds.
+            a: (n, C) accelerations.
             joints: (n) names of the joints on whose frames the wrenches act.
             wrenches: (n, 6) force and moment in these frames [N, N m]; they turn with them.
         """

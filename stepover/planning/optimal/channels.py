@@ -190,7 +190,7 @@ def poses(channels: np.ndarray) -> np.ndarray:
 
 
 def euler(poses: np.ndarray) -> np.ndarray:
-    """x y z, yaw, pitch, roll (N, 6) of poses (N, 7)."""
+    """Position, yaw, pitch, roll (N, 6) of poses (N, 7)."""
     angles = Rotation.from_quat(poses[:, 3:]).as_euler("ZYX")
     return np.column_stack([poses[:, :3], np.unwrap(angles, axis=0)])
 
@@ -205,6 +205,6 @@ def euler_axes(channels: np.ndarray) -> np.ndarray:
 
 
 def _moved(axes: np.ndarray, lever: np.ndarray) -> np.ndarray:
-    """Derivative (n, 3, 6) of a point by x y z and the three turns of its frame, the point at a lever (n, 3) from it."""
+    """Derivative (n, 3, 6) of a point by x y z and the turns of its frame, from which it is a lever (n, 3) away."""
     turned = np.swapaxes(np.cross(axes, lever[:, None]), 1, 2)
     return np.concatenate([np.broadcast_to(np.eye(3), turned.shape), turned], axis=2)

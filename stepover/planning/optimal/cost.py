@@ -61,7 +61,9 @@ def _weights(scene: Scene) -> tuple[list[float], list[float]]:
         [TRUNK, SHOULDER, ARM][1 + (name not in robot.upper_body.shoulders) if name in upper[-4:] else 0]
         for name in upper
     ]
-    away = [CHEST_YAW if name == robot.upper_body.chest_yaw else pair[1] for name, pair in zip(upper, arms, strict=True)]
+    away = [
+        CHEST_YAW if name == robot.upper_body.chest_yaw else pair[1] for name, pair in zip(upper, arms, strict=True)
+    ]
     assert len(ACCELERATION) == UPPER
     return [*ACCELERATION, *(pair[0] for pair in arms)], [*DEVIATION, *away]
 

@@ -153,7 +153,7 @@ class Posed:
         return force, np.linalg.solve(self.axes[0][:, 3:6], self.forces[:, 3:6, None])[..., 0]
 
     def joint_torques(self, joints: np.ndarray, force: np.ndarray, moment: np.ndarray) -> np.ndarray:
-        """Torques (n, C - 6) where a force with its moment about the root (n, 3) acts on what moves with joints (n,)."""
+        """Torques (n, C - 6) where a force, with its moment about the root, (n, 3), acts on links of joints (n,)."""
         (axes, origins), lever = self.axes, self.q[:, None, :3]
         about = moment[:, None] + np.cross(lever - origins, force[:, None])
         borne = np.einsum("nca,nca->nc", axes, about) * self.scene.moved_by[joints]
@@ -240,8 +240,8 @@ class Instants(Posed):
         joints, turn, place = self._bearing_frame
         force, moment = self.floor_wrench
         there = moment + np.cross(self.q[:, :3] - place, force)
-        own = [np.einsum("nba,nb->na", turn, part) for part in (force, there)]
-        return Wrench(*own, self.joint_torques(joints, force, moment))
+        own, about = (np.einsum("nba,nb->na", turn, part) for part in (force, there))
+        return Wrench(own, about, self.joint_torques(joints, force, moment))
 
     @cached_property
     def zmp(self) -> np.ndarray:

@@ -142,9 +142,7 @@ class Search:
         found, iterations = minimise(problem, x, tolerance, most or self.parameters.iterations, trust, look)
         worst, count = found.worst, len(problem.scene.samples)
         named = f"{worst.group.name}: {worst.group.parts[worst.column]}"
-        self.attempts.append(
-            Attempt(obstacle.height, obstacle.width, start, count, iterations, worst.value, named)
-        )
+        self.attempts.append(Attempt(obstacle.height, obstacle.width, start, count, iterations, worst.value, named))
         return found
 
 

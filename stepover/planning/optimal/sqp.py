@@ -44,7 +44,7 @@ def minimise(
     """
     p = problem.scene.parameters
     here = problem.at(x)
-    for iteration in range(1, iterations + 1):
+    for iteration in range(1, iterations + 1):  # noqa: B007
         step, promised = _step(here, trust * problem.variables.sizes, p.penalty)
         there = problem.at(here.x + step)
         merit = _merit(here, p.penalty)

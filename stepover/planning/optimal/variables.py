@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import scipy.sparse as sp
@@ -100,14 +101,13 @@ def _knots(corners: Iterable[float], spacing: float) -> np.ndarray:
     """Knots [s] at all corners, and evenly between them about a spacing apart."""
     corners = list(corners)
     parts = [
-        np.linspace(one, other, max(round((other - one) / spacing), 1) + 1)[1:]
-        for one, other in zip(corners, corners[1:], strict=False)
+        np.linspace(one, other, max(round((other - one) / spacing), 1) + 1)[1:] for one, other in pairwise(corners)
     ]
     return np.concatenate([corners[:1], *parts])
 
 
 def _standing(base: Base, step: Step) -> np.ndarray:
-    """How much (N,) a foot's deviation at the end of a step counts: it grows in the swing, and fades in the next one."""
+    """How much (N,) the deviation of a foothold counts: it grows in the step there, and fades in the foot's next."""
     later = [other for other in base.sequence.steps if other.side == step.side and other.lift_off > step.lift_off]
     rise = _ramp(base.time, step)
     return rise - _ramp(base.time, later[0]) if later else rise

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from stepover.planning.optimal.channels import SIDES, of_sole
-from stepover.planning.optimal.constraints.group import Group, Local, of_speed
+from stepover.planning.optimal.constraints.group import Group, Local
 from stepover.planning.optimal.instants import Instants, Scene
 
 LENGTH = 0.02

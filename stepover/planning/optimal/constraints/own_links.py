@@ -10,8 +10,8 @@ import numpy as np
 
 from stepover.model.collision import Shape
 from stepover.model.legs import KNEE
-from stepover.model.own_distance import near_pairs
 from stepover.model.robot import Robot
+from stepover.model.self_collision import near_pairs
 from stepover.planning.optimal.constraints.group import Group, Local, of_posture
 from stepover.planning.optimal.instants import Instants
 
