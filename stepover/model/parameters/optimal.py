@@ -51,7 +51,7 @@ class Optimal:
     # Search.
     height_step: float = parameter(0.05, "m", "the height grows by so much from one solved problem to the next")
     width_step: float = parameter(0.07, "m", "the width grows by so much")
-    iterations: int = parameter(30, "count", "largest number of iterations for one problem")
+    iterations: int = parameter(40, "count", "largest number of iterations for one problem")
     penalty: float = parameter(3.0, "", "cost of a violated constraint, scaled by its own unit")
     trust: float = parameter(0.10, "", "first size of the trust region, in units of each variable's own")
     tolerance: float = parameter(5e-3, "", "largest scaled violation that counts as kept")
