@@ -14,9 +14,18 @@ class Optimal:
     # Reserves: what a servo, rubber soles and the stabilizer may use up.
     speed_share: float = parameter(0.80, "share", "largest joint speed: the stabilizer adds to it", least=0.1)
     torque_share: float = parameter(0.85, "share", "largest joint torque: a landing adds to it", least=0.1)
+    torque_share_landed: float = parameter(
+        0.60, "share", "the same after leg 1 has landed: there the stabilizer needs most", least=0.1
+    )
+    landed: float = parameter(0.35, "s", "how long after that")
+    torque_share_upper: float = parameter(
+        0.50, "share", "largest torque of chest and arms: what hangs on them must not swing", least=0.1
+    )
     zmp_margin: float = parameter(0.0175, "m", "least distance of the ZMP from the support polygon's edge")
     zmp_margin_landing: float = parameter(0.040, "m", "the same while a foot touches down")
-    landing_speed: float = parameter(0.22, "m/s", "largest vertical speed of a sole 10 mm above the floor")
+    landing_speed: float = parameter(
+        0.27, "m/s", "largest vertical speed of a sole 10 mm above the floor: as Algorithm 1 at 25 cm"
+    )
     clearance: float = parameter(0.005, "m", "distance from the obstacle's margins", sign="not negative")
     knee_deg: float = parameter(10.0, "deg", "least angle of the knee from straight", scale="knee")
     knee_stance_deg: float = parameter(

@@ -75,7 +75,8 @@ def base_motion(robot: Robot, obstacle: Obstacle, p: Optimal, leading: int = -1)
         Infeasible: the obstacle is nearer than the first step.
     """
     soles = robot.foot.heel + robot.foot.toe + 2.0 * robot.feasibility.foothold_clearance
-    x_ads = max(p.step_length, obstacle.safe_depth + soles)
+    longest = robot.feasibility.step_length_max + robot.feasibility.step_length_more
+    x_ads = min(max(p.step_length, obstacle.safe_depth + soles), longest)
     yaw = -leading * np.radians(robot.feasibility.waist_yaw_deg)
     key = KeyConfiguration(x_ads, robot.feasibility.delta_ds * x_ads, p.waist_height, yaw)
     low = dataclasses.replace(obstacle, height=min(obstacle.height, p.base_height))

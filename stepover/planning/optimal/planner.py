@@ -73,21 +73,28 @@ def optimal_plan(robot: Robot, obstacle: Obstacle | Course, *, progress: Report 
 
     Raises:
         InvalidInput: no Robot, no Obstacle, several obstacles, or legs whose hip axes do not meet.
-        Infeasible: names the constraint that stays violated, by how much and when.
+        Infeasible: names the constraint that stays violated, by how much, when and where, and the nearest obstacle
+            that can be crossed.
     """
     return optimal_in_detail(robot, obstacle, progress=progress).motion
 
 
 def optimal_in_detail(
-    robot: Robot, obstacle: Obstacle | Course, *, progress: Report | None = None, leading: int = -1
+    robot: Robot,
+    obstacle: Obstacle | Course,
+    *,
+    progress: Report | None = None,
+    leading: int = -1,
+    look_for_nearest: bool = True,
 ) -> OptimalPlan:
-    """As optimal_plan, and keep how it came about."""
+    """As optimal_plan, and keep how it came about; `leading`: the side that steps over first."""
     obstacle, start = one_obstacle(robot, obstacle), clock.perf_counter()
     p = Optimal(**scaled(Optimal, robot.size))
     search = Search.of(robot, obstacle, p, leading, progress)
     found = search.run(obstacle)
     if found.worst.value > p.tolerance:
-        raise Infeasible(refusal(found))
+        nearest = search.nearest(obstacle) if look_for_nearest else None
+        raise Infeasible(refusal(found), nearest.problem.scene.obstacle if nearest else None)
     motion = motion_of(search, found)
     torque = check(robot, motion)
     placements = robot.body.placements(motion.q)

@@ -1,8 +1,11 @@
 """From low obstacles to the one that is asked for, and from few samples to all: the order in which problems are solved.
 
-First the obstacle itself is tried from the base motion. Where that fails, a chain of obstacles leads to it, each from
-the solution of the one before. A solution is then looked at every 5 ms. Samples that break a constraint are added, and
-the problem is solved again.
+First the obstacle itself is tried from the base motion. Where that fails, or where it is far from what the base motion
+clears, a chain of obstacles leads to it, each from the solution of the one before. A solution is then looked at every
+5 ms. Samples that break a constraint are added, and the problem is solved again.
+
+Where an obstacle cannot be crossed, the chain says how far it led. From there a few bisections look for the nearest
+obstacle that can be.
 """
 
 from __future__ import annotations
@@ -25,8 +28,10 @@ from stepover.planning.optimal.variables import Variables, variables_of
 
 NEAR = 2e-2
 """Largest scaled violation of an obstacle on the way to the one that is asked for."""
-HOPELESS = 0.3
-"""From a larger scaled violation on, more samples would not help."""
+DIRECT = 6
+"""Largest number of links in a chain whose last one is tried at once: 50 cm by 5 cm, 25 by 40."""
+BISECTIONS = 2
+"""How often the step from the last obstacle that can be crossed to the first that cannot is halved."""
 FEWER, AGAIN = 12, 0.04
 """Largest number of iterations, and first size of the trust region, after samples were added."""
 
@@ -76,6 +81,7 @@ class Search:
         variables: their basis.
         parameters: reserves and weights.
         attempts: what was tried.
+        chain: solutions along the chain of obstacles, as far as it led.
         report: told of every iteration.
     """
 
@@ -84,6 +90,7 @@ class Search:
     variables: Variables
     parameters: Optimal
     attempts: list[Attempt] = dataclasses.field(default_factory=list)
+    chain: list[Evaluation] = dataclasses.field(default_factory=list)
     report: Report | None = None
 
     @staticmethod
@@ -91,7 +98,7 @@ class Search:
         """Lay out base motion and variables."""
         base = base_motion(robot, obstacle, p, leading)
         channels = Channels(robot, np.radians(p.knee_deg))
-        return Search(channels, base, variables_of(base, p, obstacle.distance is None), p, [], report)
+        return Search(channels, base, variables_of(base, p, obstacle.distance is None), p, report=report)
 
     @property
     def iterations(self) -> int:
@@ -100,19 +107,38 @@ class Search:
 
     def run(self, obstacle: Obstacle) -> Evaluation:
         """Search. The result may violate constraints; its worst one says so."""
-        found = self._solve(obstacle, np.zeros(self.variables.count), "base motion")
-        if found.worst.value > NEAR:
-            x = np.zeros(self.variables.count)
-            for number, stage in enumerate(chain(obstacle, self.parameters)):
-                found = self._solve(stage, x, "last solution" if number else "base motion")
-                if found.worst.value > HOPELESS:
-                    break
-                x = found.x
-        return self._at_every_sample(obstacle, found) if found.worst.value <= HOPELESS else found
+        stages = chain(obstacle, self.parameters)
+        if len(stages) <= DIRECT:
+            found = self._solve(obstacle, np.zeros(self.variables.count), "base motion")
+            if found.worst.value <= NEAR:
+                return self._at_every_sample(found)
+        for number, stage in enumerate(stages):
+            x = self.chain[-1].x if number else np.zeros(self.variables.count)
+            found = self._solve(stage, x, "last solution" if number else "base motion")
+            if found.worst.value > NEAR:
+                return found
+            self.chain.append(found)
+        return self._at_every_sample(found)
 
-    def _at_every_sample(self, obstacle: Obstacle, found: Evaluation) -> Evaluation:
+    def nearest(self, obstacle: Obstacle) -> Evaluation | None:
+        """The solution for an obstacle on the chain to one that cannot be crossed, as near as some bisections come."""
+        kept = [found for found in self.chain if found.problem.scene.obstacle != obstacle]
+        if not kept:
+            return None
+        best, high = kept[-1], chain(obstacle, self.parameters)[len(kept)]
+        for _ in range(BISECTIONS):
+            found = self._solve(_between(best.problem.scene.obstacle, high), best.x, "last solution")
+            if found.worst.value <= NEAR:
+                best = found
+            else:
+                high = found.problem.scene.obstacle
+        found = self._at_every_sample(best)
+        return found if found.worst.value <= self.parameters.tolerance else None
+
+    def _at_every_sample(self, found: Evaluation) -> Evaluation:
         """Add samples that break a constraint, until none does."""
         more: set[int] = set()
+        obstacle = found.problem.scene.obstacle
         for _ in range(self.parameters.rounds):
             whole = every_sample(found.problem).at(found.x)
             broken = whole.broken(self.parameters.tolerance)
@@ -144,6 +170,12 @@ class Search:
         named = f"{worst.group.name}: {worst.group.parts[worst.column]}"
         self.attempts.append(Attempt(obstacle.height, obstacle.width, start, count, iterations, worst.value, named))
         return found
+
+
+def _between(low: Obstacle, high: Obstacle) -> Obstacle:
+    """The obstacle half way, in whole millimetres."""
+    sizes = {name: (getattr(low, name) + getattr(high, name)) / 2.0 for name in ("height", "width")}
+    return dataclasses.replace(high, **{name: float(np.floor(1e3 * size) / 1e3) for name, size in sizes.items()})
 
 
 def chain(obstacle: Obstacle, p: Optimal) -> list[Obstacle]:

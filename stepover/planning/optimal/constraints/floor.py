@@ -18,7 +18,7 @@ NEAR_END = 0.16
 """How far from its ends a swing keeps the full height [s]."""
 LOW = 0.01
 """Height at which the speed is told [m]."""
-BRAKING = 0.25
+BRAKING = 0.15
 """How long before touch-down a sole brakes [s]."""
 
 

@@ -9,9 +9,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from stepover.motion.footsteps import LEG_1
 from stepover.planning.optimal.constraints.group import Group, Local
 from stepover.planning.optimal.constraints.sharing import shared_torques
-from stepover.planning.optimal.instants import Instants, Probe
+from stepover.planning.optimal.instants import Instants, Probe, Scene
 
 DIFFERENCE = 1e-6
 """Step of the differences by q, v and a in double support."""
@@ -24,7 +25,7 @@ def torque(seen: Instants) -> Group:
     names, double = channels.dynamics.joints, np.flatnonzero(seen.scene.support == 0)
     torques = seen.wrench.torques.copy()
     torques[double] = shared_torques(_probe(seen, double))
-    values = np.hstack([torques, -torques]) / np.tile(limits, 2) - seen.scene.parameters.torque_share
+    values = np.hstack([torques, -torques]) / np.tile(limits, 2) - np.tile(shares(seen.scene), 2)
 
     def gradient(rows: np.ndarray, columns: np.ndarray) -> Local:
         joint, both = columns % len(limits), seen.scene.support[rows] == 0
@@ -35,6 +36,17 @@ def torque(seen: Instants) -> Group:
         return Local(motion=sign[:, None] * by)
 
     return Group("joint torque", values, [*names, *names], 1.0, "of its limit", gradient)
+
+
+def shares(scene: Scene) -> np.ndarray:
+    """Largest torques (n, C - 6) as shares of their limits: smaller after leg 1 has landed, and in chest and arms."""
+    p, joints = scene.parameters, scene.channels.dynamics.joints
+    found = np.full((len(scene.samples), len(joints)), p.torque_share)
+    landing = scene.base.sequence.step(LEG_1).touch_down
+    landed = (scene.samples >= landing) & (scene.samples <= landing + round(p.landed / scene.dt))
+    found[landed] = p.torque_share_landed
+    found[:, [joints.index(joint) for joint in scene.channels.upper]] = p.torque_share_upper
+    return found
 
 
 def _probe(seen: Instants, rows: np.ndarray) -> Probe:
