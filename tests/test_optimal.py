@@ -5,10 +5,13 @@ from __future__ import annotations
 import dataclasses
 
 import numpy as np
+import pinocchio as pin
 import pytest
 
 from stepover.errors import Infeasible, InvalidInput
+from stepover.model.body import Body
 from stepover.model.course import Course
+from stepover.model.description.links import Inertia
 from stepover.model.obstacle import Obstacle
 from stepover.model.parameters.optimal import Optimal
 from stepover.model.self_collision import self_clearance
@@ -69,8 +72,6 @@ def test_power_of_the_joints_is_the_change_of_energy(robot, best):
     """While the bearing feet stand still the floor does no work, however two feet share its force."""
     motion, body = best.motion, robot.body
     model, dt = body.model, motion.dt
-    import pinocchio as pin
-
     data, speeds = model.createData(), body.velocities(motion.q, dt)
     energy = np.array([pin.computeMechanicalEnergy(model, data, q, v) for q, v in zip(motion.q, speeds, strict=True)])
     change = np.gradient(energy, dt)
@@ -102,13 +103,30 @@ def test_the_same_again_and_progress(robot, obstacle, best):
     assert {(now.height, now.width) for now in seen} == {(obstacle.height, obstacle.width)}
 
 
+def mirrored(robot):
+    """The robot seen in a mirror: every link has the mirrored inertia of the one on the other side."""
+    flip, links = np.diag([1.0, -1.0, 1.0]), {link.name: link for link in robot.description.links}
+
+    def seen(link):
+        swapped = {"L": "R", "R": "L"}.get(link.name[0], link.name[0]) + link.name[1:]
+        other = links.get(swapped, link).inertia
+        inertia = Inertia(other.mass, flip @ other.centre, flip @ other.matrix @ flip)
+        return dataclasses.replace(link, inertia=inertia)
+
+    description = dataclasses.replace(robot.description, links=tuple(map(seen, robot.description.links)))
+    return dataclasses.replace(robot, body=Body(description))
+
+
 def test_a_mirrored_plan(robot, obstacle, best):
-    """With the left leg first everything is mirrored."""
-    other = optimal_in_detail(robot, obstacle, leading=1).motion
-    mirrored = best.motion.left_foot[:, :3] * [1.0, -1.0, 1.0]
-    assert np.abs(other.right_foot[:, :3] - mirrored).max() < 2e-3
-    assert np.abs(other.waist[:, :3] - best.motion.waist[:, :3] * [1.0, -1.0, 1.0]).max() < 2e-3
-    assert other.footsteps.of_kind(LEG_1).side[0] == 1
+    """The mirrored robot with its left leg first plans the mirrored motion."""
+    plan, flip = optimal_in_detail(mirrored(robot), obstacle, leading=1), np.array([1.0, -1.0, 1.0])
+    assert [attempt.iterations for attempt in plan.attempts] == [attempt.iterations for attempt in best.attempts]
+    for side in (1, -1):
+        there = best.motion.foot(side)[:, :3] * flip
+        assert np.abs(plan.motion.foot(-side)[:, :3] - there).max() < 1e-3
+    assert np.abs(plan.motion.waist[:, :3] - best.motion.waist[:, :3] * flip).max() < 1e-3
+    assert np.abs(plan.motion.zmp - best.motion.zmp * flip[:2]).max() < 2e-3
+    assert plan.motion.footsteps.of_kind(LEG_1).side[0] == 1
 
 
 @pytest.mark.parametrize(
