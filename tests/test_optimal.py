@@ -17,7 +17,7 @@ from stepover.model.parameters.optimal import Optimal
 from stepover.model.self_collision import self_clearance
 from stepover.motion.footsteps import LEG_1, LEG_2
 from stepover.planning.checks import check, measure
-from stepover.planning.optimal import planner, search
+from stepover.planning.optimal import search
 from stepover.planning.optimal.constraints.own_links import thigh_pairs
 from stepover.planning.optimal.planner import optimal_in_detail, optimal_plan
 from stepover.planning.optimal.torques import torques
@@ -155,13 +155,12 @@ def test_too_near(robot):
 
 def test_what_cannot_be_crossed(robot, monkeypatch):
     """Little patience, so that even a low obstacle is refused: the message says what stays violated, and when."""
-    few = dataclasses.replace(Optimal(), iterations=1)
-    monkeypatch.setattr(planner, "scaled", lambda *_: dataclasses.asdict(few))
+    hasty = dataclasses.replace(robot, optimal=dataclasses.replace(Optimal(), iterations=1))
     monkeypatch.setattr(search, "DIRECT", 0)
     with pytest.raises(
         Infeasible, match=r" of .* stays violated by .* (mm|degrees|of its limit|weight).* at t = "
     ) as e:
-        optimal_plan(robot, Obstacle(0.15, 0.05))
+        optimal_plan(hasty, Obstacle(0.15, 0.05))
     assert e.value.nearest is None
 
 

@@ -18,6 +18,7 @@ from stepover.model.description.links import Description
 from stepover.model.description.urdf_text import urdf_text
 from stepover.model.legs import KNEE, Leg
 from stepover.model.parameters.facts import Foot, Legs, Outline, Posture, UpperBody
+from stepover.model.parameters.optimal import Optimal
 from stepover.model.parameters.physics import Servo, Simulation, SoleRubber
 from stepover.model.parameters.planning import (
     Adaptor,
@@ -46,7 +47,8 @@ class Robot:
         body: multi-body model described by the URDF.
         root: name of the root link, the waist.
         legs, foot, outline, posture, upper_body: facts that a URDF cannot contain.
-        walk, feasibility, stepping_over, preview, adaptor, beyond_paper, checks, quasi_static: parameters of planners.
+        walk, feasibility, stepping_over, preview, adaptor, beyond_paper, checks: parameters of planners and checks.
+        optimal, quasi_static: parameters of the other two planners.
         simulation, servo, sole, stabilizer: parameters of the physics and of the stabilizer.
         slow: tables that replace others if the plan must keep the joints' speed limits.
     """
@@ -67,6 +69,7 @@ class Robot:
     adaptor: Adaptor = field(default_factory=Adaptor)
     beyond_paper: BeyondPaper = field(default_factory=BeyondPaper)
     checks: Checks = field(default_factory=Checks)
+    optimal: Optimal = field(default_factory=Optimal)
     quasi_static: QuasiStatic = field(default_factory=QuasiStatic)
     simulation: Simulation = field(default_factory=Simulation)
     servo: Servo = field(default_factory=Servo)

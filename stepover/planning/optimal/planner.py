@@ -11,8 +11,6 @@ import numpy as np
 from stepover.errors import Infeasible
 from stepover.model.course import Course
 from stepover.model.obstacle import Obstacle
-from stepover.model.parameters.optimal import Optimal
-from stepover.model.parameters.scaling import scaled
 from stepover.model.robot import Robot
 from stepover.model.self_collision import self_clearance
 from stepover.motion.footsteps import Footsteps
@@ -89,8 +87,8 @@ def optimal_in_detail(
 ) -> OptimalPlan:
     """As optimal_plan, and keep how it came about; `leading`: the side that steps over first."""
     obstacle, start = one_obstacle(robot, obstacle), clock.perf_counter()
-    p = Optimal(**scaled(Optimal, robot.size))
-    search = Search.of(robot, obstacle, p, leading, progress)
+    p = robot.optimal
+    search = Search.of(robot, obstacle, leading, progress)
     found = search.run(obstacle)
     if found.worst.value > p.tolerance:
         nearest = search.nearest(obstacle) if look_for_nearest else None

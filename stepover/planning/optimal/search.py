@@ -94,8 +94,9 @@ class Search:
     report: Report | None = None
 
     @staticmethod
-    def of(robot: Robot, obstacle: Obstacle, p: Optimal, leading: int, report: Report | None = None) -> Search:
+    def of(robot: Robot, obstacle: Obstacle, leading: int, report: Report | None = None) -> Search:
         """Lay out base motion and variables."""
+        p = robot.optimal
         base = base_motion(robot, obstacle, p, leading)
         channels = Channels(robot, np.radians(p.knee_deg))
         return Search(channels, base, variables_of(base, p, obstacle.distance is None), p, report=report)
