@@ -40,6 +40,9 @@ class Optimal:
     yaw_moment: float = parameter(15.0, "N m", "largest moment about the vertical through the ZMP", scale="mass")
     force_min: float = parameter(0.6, "", "least vertical force over the weight")
     force_max: float = parameter(1.35, "", "largest vertical force over the weight")
+    force_max_landed: float = parameter(
+        1.10, "", "the same after leg 1 has landed: on rubber the force swings over by half as much again"
+    )
     sole_lift: float = parameter(0.012, "m", "least height of a swinging sole, 0.16 s from its ends")
 
     # Base motion.

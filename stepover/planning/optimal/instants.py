@@ -16,6 +16,7 @@ from stepover.model.kinematics import Placements
 from stepover.model.obstacle import Obstacle
 from stepover.model.parameters.optimal import Optimal
 from stepover.model.robot import Robot
+from stepover.motion.footsteps import LEG_1
 from stepover.planning.optimal.base import Base
 from stepover.planning.optimal.channels import SIDES, WAIST, Channels, Reached, euler_axes
 
@@ -57,6 +58,13 @@ class Scene:
     def support(self) -> np.ndarray:
         """(n,) 0 double, +1 left, -1 right."""
         return self.base.sequence.support[self.samples]
+
+    @cached_property
+    def landed(self) -> np.ndarray:
+        """(n,) bool: just after leg 1 has landed, where rubber and stabilizer need reserves."""
+        landing = self.base.sequence.step(LEG_1).touch_down
+        last = landing + round(self.parameters.landed / self.dt)
+        return np.asarray((self.samples >= landing) & (self.samples <= last))
 
     @cached_property
     def bearing(self) -> np.ndarray:

@@ -97,7 +97,8 @@ def friction(seen: Instants) -> Group:
     """Horizontal over vertical force, least and largest vertical force over the weight."""
     p, weight = seen.scene.parameters, seen.scene.channels.dynamics.mass * GRAVITY
     across, up = np.linalg.norm(seen.wrench.force[:, :2], axis=1), seen.wrench.force[:, 2]
-    values = np.column_stack([across / up - p.friction, p.force_min - up / weight, up / weight - p.force_max])
+    most = np.where(seen.scene.landed, p.force_max_landed, p.force_max)
+    values = np.column_stack([across / up - p.friction, p.force_min - up / weight, up / weight - most])
 
     def gradient(rows: np.ndarray, columns: np.ndarray) -> Local:
         by, force = seen.wrench_by[0][rows], seen.wrench.force[rows]

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from stepover.motion.footsteps import LEG_1
 from stepover.planning.optimal.constraints.group import Group, Local
 from stepover.planning.optimal.constraints.sharing import shared_torques
 from stepover.planning.optimal.instants import Instants, Probe, Scene
@@ -42,9 +41,7 @@ def shares(scene: Scene) -> np.ndarray:
     """Largest torques (n, C - 6) as shares of their limits: smaller after leg 1 has landed, and in chest and arms."""
     p, joints = scene.parameters, scene.channels.dynamics.joints
     found = np.full((len(scene.samples), len(joints)), p.torque_share)
-    landing = scene.base.sequence.step(LEG_1).touch_down
-    landed = (scene.samples >= landing) & (scene.samples <= landing + round(p.landed / scene.dt))
-    found[landed] = p.torque_share_landed
+    found[scene.landed] = p.torque_share_landed
     found[:, [joints.index(joint) for joint in scene.channels.upper]] = p.torque_share_upper
     return found
 
