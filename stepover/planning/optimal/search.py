@@ -28,6 +28,8 @@ from stepover.planning.optimal.variables import Variables, variables_of
 
 NEAR = 2e-2
 """Largest scaled violation of an obstacle on the way to the one that is asked for."""
+BETWEEN = 1e-2
+"""Largest scaled violation between the samples that are looked at: well within the reserves."""
 DIRECT = 6
 """Largest number of links in a chain whose last one is tried at once: 50 cm by 5 cm, 25 by 40."""
 BISECTIONS = 2
@@ -142,7 +144,7 @@ class Search:
         obstacle = found.problem.scene.obstacle
         for _ in range(self.parameters.rounds):
             whole = every_sample(found.problem).at(found.x)
-            broken = whole.broken(self.parameters.tolerance)
+            broken = whole.broken(BETWEEN)
             if not len(broken) and found.worst.value <= self.parameters.tolerance:
                 return found
             more |= set(whole.broken(0.0).tolist())
