@@ -16,8 +16,17 @@ class Advice(Protocol):
         """In a few words, for the end of a message."""
 
 
+LONGEST = 1000
+"""Letters of a message at most: what a broken file holds may be quoted in it."""
+
+
 class StepOverError(Exception):
-    """Base of all errors of this library."""
+    """Base of all errors of this library. Its message is one line of a readable length."""
+
+    def __init__(self, message: str = "") -> None:
+        """Put the message on one line, and leave out the middle of a very long one."""
+        line = " ".join(message.splitlines())
+        super().__init__(line if len(line) <= LONGEST else f"{line[: LONGEST - 300]} ... {line[-290:]}")
 
 
 class InvalidInput(StepOverError, ValueError):
@@ -45,13 +54,21 @@ class Infeasible(StepOverError):
         constraint: what cannot be met, by how much, and when.
         nearest: the nearest obstacle that can be stepped over, where one was looked for.
         short: what is missing, where that is a length [m]; infinity where it is not.
+        walking: whether it happens in a normal step, so that no other obstacle helps.
     """
 
-    def __init__(self, constraint: str, nearest: Advice | None = None, short: float = float("inf")) -> None:
+    def __init__(
+        self,
+        constraint: str,
+        nearest: Advice | None = None,
+        short: float = float("inf"),
+        walking: bool = False,
+    ) -> None:
         """Keep the binding constraint and, once known, the nearest crossable obstacle."""
         self.constraint = constraint
         self.nearest = nearest
         self.short = short
+        self.walking = walking
         super().__init__(constraint)
 
     def __str__(self) -> str:
@@ -65,6 +82,24 @@ class Infeasible(StepOverError):
 
 class OutOfReach(Infeasible):
     """A sole that a leg cannot reach, by `short`."""
+
+
+class LimitBroken(Infeasible):
+    """A finished motion that breaks a limit.
+
+    Attributes:
+        limit: which one: what is checked, and of which part.
+        excess: by how much it is broken, in the limit's unit.
+    """
+
+    def __init__(self, constraint: str, limit: str, excess: float, short: float, walking: bool) -> None:
+        """Keep what a planner needs to tell whether it gets better or worse."""
+        super().__init__(constraint, short=short, walking=walking)
+        self.limit, self.excess = limit, excess
+
+    def __reduce__(self) -> tuple[type[Infeasible], tuple[str, Advice | None, float, bool]]:
+        """Pickle what a user sees."""
+        return Infeasible, (self.constraint, self.nearest, self.short, self.walking)
 
 
 class TrailingLegBlocked(Infeasible):

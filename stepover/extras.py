@@ -16,9 +16,9 @@ EXTRAS = {
     "imageio_ffmpeg": "report",
     "ipywidgets": "notebooks",
     "joblib": "studies",
+    "jupyter_client": "notebooks",
     "matplotlib": "report",
     "meshcat": "report",
-    "mujoco": "mujoco",
     "nbformat": "notebooks",
     "papermill": "notebooks",
     "pybullet": "pybullet",
@@ -28,12 +28,13 @@ EXTRAS = {
 """The extra in pyproject.toml that installs each module which planning can do without."""
 NAMES = {
     "PIL": "Pillow",
-    "mujoco": "MuJoCo",
     "pybullet": "PyBullet",
     "pybullet_data": "PyBullet",
     "pybullet_utils": "PyBullet",
 }
 """Libraries that are called otherwise than their module."""
+INSTEAD = {"pybullet": "or take --engine mujoco"}
+"""What does without an extra."""
 LAST_PYTHON = {"pybullet": (3, 11)}
 """The last Python for which there are wheels of an extra."""
 
@@ -46,7 +47,7 @@ def needs(what: str) -> Iterator[None]:
         what: needs them: the first words of the message, such as "simulate".
 
     Raises:
-        InvalidInput: "simulate needs PyBullet: pip install 'stepover[pybullet]'".
+        InvalidInput: "simulate needs PyBullet: pip install 'stepover[pybullet]', or take --engine mujoco".
     """
     try:
         yield
@@ -58,10 +59,10 @@ def needs(what: str) -> Iterator[None]:
 
 
 def _remedy(extra: str) -> str:
-    """How an extra is installed, and with which Python where this one is too new for it."""
-    command = f"pip install 'stepover[{extra}]'"
+    """How an extra is installed, with which Python where this one is too new for it, and what does without it."""
+    command = f": pip install 'stepover[{extra}]'"
     last = LAST_PYTHON.get(extra, sys.version_info[:2])
-    if sys.version_info[:2] <= last:
-        return f": {command}"
-    newest, this = (".".join(map(str, version[:2])) for version in (last, sys.version_info))
-    return f", which has no wheel for Python {this}: {command} under Python {newest}"
+    if sys.version_info[:2] > last:
+        newest, this = (".".join(map(str, version[:2])) for version in (last, sys.version_info))
+        command = f", which has no wheel for Python {this}{command} under Python {newest}"
+    return f"{command}, {INSTEAD[extra]}" if extra in INSTEAD else command

@@ -1,7 +1,8 @@
-"""Files that are written whole or not at all."""
+"""Files that are written whole or not at all, and by one run at a time."""
 
 from __future__ import annotations
 
+import fcntl
 import os
 import uuid
 from collections.abc import Callable, Iterator
@@ -43,3 +44,34 @@ def write_whole(path: Path, write: Callable[[Any], None]) -> None:
     """
     with replaced(path) as beside, open(beside, "wb") as file:
         write(file)
+
+
+@contextmanager
+def alone(lock: Path, what: str) -> Iterator[None]:
+    """Keep other runs from doing the same meanwhile. A run that is killed lets go of the lock.
+
+    Args:
+        lock: an empty file that is there meanwhile; its folder is made where it is missing.
+        what: what is done, for the message, such as "figures/ is being written".
+
+    Raises:
+        InvalidInput: another run is doing it, or the file cannot be opened.
+    """
+    try:
+        lock.parent.mkdir(parents=True, exist_ok=True)
+        descriptor = os.open(lock, os.O_RDWR | os.O_CREAT)
+    except OSError as error:
+        raise InvalidInput(f"{lock} cannot be written: {error.strerror}") from error
+    try:
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError as error:
+            raise InvalidInput(f"{what} by another run: wait for it to end, or stop it") from error
+        except OSError:
+            pass  # a file system without locks
+        try:
+            yield
+        finally:
+            lock.unlink(missing_ok=True)
+    finally:
+        os.close(descriptor)

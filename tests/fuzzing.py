@@ -13,12 +13,12 @@ from pathlib import Path
 
 import numpy as np
 
-from stepover import Motion, Obstacle, StepOverError, load_robot
+from stepover import Motion, Obstacle, StepOverError, load_robot, plan
 from stepover.locations import data_folder
 from stepover.planning.algorithm_1.planner import plan_in_detail
 
-SECONDS, MEGABYTES = 10, 500
-"""What one input may take at most."""
+SECONDS, WAITING, MEGABYTES = 10, 120, 500
+"""What one input may take at most: of the processor, of the clock, and of memory."""
 HRP2 = data_folder() / "hrp2"
 NUMBERS = (
     "nan",
@@ -62,18 +62,22 @@ class Broken(AssertionError):
 
 @contextmanager
 def limited(seconds: int = SECONDS, megabytes: int = MEGABYTES) -> Iterator[None]:
-    """Fail where what is inside takes longer, or more memory on top of what there is."""
+    """Fail where what is inside computes for longer, hangs, or takes more memory on top of what there is."""
 
     def late(*_: object) -> None:
         raise Broken(f"no answer within {seconds} s")
 
-    before, old = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss, signal.signal(signal.SIGALRM, late)
-    signal.alarm(seconds)
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    old = [signal.signal(which, late) for which in (signal.SIGPROF, signal.SIGALRM)]
+    signal.setitimer(signal.ITIMER_PROF, seconds)
+    signal.alarm(WAITING)
     try:
         yield
     finally:
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
         signal.alarm(0)
-        signal.signal(signal.SIGALRM, old)
+        signal.signal(signal.SIGPROF, old[0])
+        signal.signal(signal.SIGALRM, old[1])
     grown = (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) / 1024.0
     if grown > megabytes:
         raise Broken(f"{grown:.0f} MB more")
@@ -202,18 +206,22 @@ class Fuzz:
         self._whole = (folder / "whole.npz").read_bytes()
 
     def urdf(self, seed: int) -> str:
-        """A mutated URDF, loaded."""
+        """A mutated URDF, loaded and planned with."""
         text = mutated_text((HRP2 / "hrp2.urdf").read_text(), np.random.default_rng(seed))
         (self._folder / "hrp2.urdf").write_text(text, errors="surrogatepass")
         (self._folder / "robot.toml").write_text((HRP2 / "robot.toml").read_text())
-        return tried(lambda: load_robot(self._folder / "robot.toml"), self._folder)
+        return tried(self._plan, self._folder)
 
     def robot_toml(self, seed: int) -> str:
-        """A mutated robot.toml, loaded."""
+        """A mutated robot.toml, loaded and planned with."""
         text = mutated_text((HRP2 / "robot.toml").read_text(), np.random.default_rng(seed))
         shutil.copy(HRP2 / "hrp2.urdf", self._folder)
         (self._folder / "robot.toml").write_text(text)
-        return tried(lambda: load_robot(self._folder / "robot.toml"), self._folder)
+        return tried(self._plan, self._folder)
+
+    def _plan(self) -> None:
+        """What is done with each robot: a small obstacle, and its refusal with all that belongs to it."""
+        plan(load_robot(self._folder / "robot.toml"), Obstacle(0.05, 0.05))
 
     def motion(self, seed: int) -> str:
         """A mutated motion file, loaded."""

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from stepover import simulation
-from stepover.errors import InvalidInput
+from stepover.errors import InvalidInput, StepOverError
 from stepover.model.robot import Robot
 from stepover.motion.motion import Motion
 from stepover.robots.loading import load_robot
@@ -149,7 +149,25 @@ def test_a_missing_library_is_named_with_its_extra(motion: Motion, tmp_path: Pat
         "except InvalidInput as error:\n    print(error)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout == "simulate needs PyBullet: pip install 'stepover[pybullet]'\n"
+    assert done.stdout == "simulate needs PyBullet: pip install 'stepover[pybullet]', or take --engine mujoco\n"
+
+
+@pytest.mark.parametrize("name", ENGINES)
+def test_a_robot_that_weighs_something_else_is_refused(name: str) -> None:
+    robot = load_robot("hrp2")
+    robot.body.mass *= 1.1
+    with pytest.raises(InvalidInput, match=r"hrp2\.urdf weighs 57\.999 kg in \w+ and 63\.\d+ kg in pinocchio"):
+        engine_named(name)(Scene(robot))
+
+
+def test_an_unstable_simulation_ends_in_one_line(robot: Robot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    with engine_named("mujoco")(Scene(robot)) as world:
+        world.reset(robot.half_sitting())
+        world.push(np.array([np.inf, 0.0, 0.0]))
+        with pytest.raises(StepOverError, match="MuJoCo cannot integrate this"):
+            stand(world, 2)
+    assert list(tmp_path.iterdir()) == [], "no log file"
 
 
 @pytest.mark.parametrize("fails", ["surroundings", "mass"])

@@ -1,4 +1,4 @@
-"""A Python that has what planning needs and no more: it plans, and says which extra brings what it lacks."""
+"""A Python without any extra: it plans and simulates in MuJoCo, and says which extra brings what it lacks."""
 
 import json
 import os
@@ -15,6 +15,7 @@ from stepover.extras import EXTRAS, needs
 from stepover.locations import data_folder
 
 ROOT = data_folder().parent
+NO_PYBULLET = "simulate needs PyBullet: pip install 'stepover[pybullet]', or take --engine mujoco"
 BLOCKED = """
 import sys
 class Blocked:
@@ -66,7 +67,14 @@ except stepover.InvalidInput as error:
     print(error)
 """
     done = python(folder, code)
-    assert (done.stdout, done.stderr) == ("simulate needs PyBullet: pip install 'stepover[pybullet]'\n", "")
+    assert (done.stdout, done.stderr) == (f"{NO_PYBULLET}\n", "")
+
+
+def test_mujoco_simulates(planned, folder):
+    done = run(folder, "simulate", "m.npz", "--engine", "mujoco", "--json")
+    assert (done.returncode, done.stderr) == (0, "")
+    found = json.loads(done.stdout)
+    assert (found["crossed"], found["engine"]) == (True, "mujoco")
 
 
 def test_help(folder):
@@ -79,7 +87,7 @@ def test_help(folder):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ("simulate m.npz", "simulate needs PyBullet: pip install 'stepover[pybullet]'"),
+        ("simulate m.npz", NO_PYBULLET),
         ("view m.npz --output m.html", "view needs meshcat: pip install 'stepover[report]'"),
         ("sweep --heights 0.1 --widths 0.05 --output t.csv", "sweep needs joblib: pip install 'stepover[studies]'"),
         ("study m.npz --output t.csv", "study needs joblib: pip install 'stepover[studies]'"),
@@ -102,7 +110,7 @@ class TestNeeds:
 
     def test_a_python_without_wheels(self, monkeypatch):
         monkeypatch.setattr(sys, "version_info", (3, 13, 0))
-        words = "PyBullet, which has no wheel for Python 3.13: pip install 'stepover[pybullet]' under Python 3.11"
+        words = "PyBullet, which has no wheel for Python 3.13: pip install 'stepover[pybullet]' under Python 3.11, or"
         with pytest.raises(stepover.InvalidInput, match=re.escape(words)):
             self.missing("pybullet")
         with pytest.raises(stepover.InvalidInput, match=r"joblib: pip install 'stepover\[studies\]'$"):

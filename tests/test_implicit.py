@@ -20,13 +20,13 @@ def prediction(robot: Robot) -> Prediction:
     for side, leg in ((1, robot.legs.left), (-1, robot.legs.right)):
         corners = np.column_stack([robot.contact_patch(side), np.full(4, -robot.foot.ankle_height)])
         points.append((leg[-1], corners))
-    return Prediction(robot.urdf_path.read_text(), names, np.full(len(names), 0.1), points, 1e-3)
+    return Prediction(robot.urdf_path.read_text(), names, points, 1e-3)
 
 
 def accelerations(prediction: Prediction, motion: Motion, standing: tuple[int, ...]) -> np.ndarray:
     """Of all joints, without torques, from the motion's first posture at rest."""
     still = np.zeros(len(motion.joint_names))
-    return prediction.acceleration(motion.q[0, :7], np.zeros(6), motion.q[0, 7:], still, still, standing)
+    return prediction.acceleration(motion.q[0, :7], np.zeros(6), motion.q[0, 7:], still, still, standing, still + 0.1)
 
 
 def test_the_floor_holds_what_presses_on_it_and_pulls_at_nothing(prediction: Prediction, motion: Motion) -> None:

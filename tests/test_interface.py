@@ -276,7 +276,7 @@ def test_imported_libraries_are_dependencies():
     foreign = imported - set(sys.stdlib_module_names) - {"stepover"}
     core = required(PYPROJECT["project"]["dependencies"])
     assert {distribution(name) for name in foreign - set(EXTRAS)} == core
-    assert core == {"numpy", "scipy", "pin", "coal", "piqp", "click", "tqdm"}
+    assert core == {"numpy", "scipy", "pin", "coal", "piqp", "mujoco-core", "click", "tqdm"}
 
 
 def test_each_optional_library_is_in_its_extra():

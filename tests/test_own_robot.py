@@ -20,8 +20,7 @@ from stepover.locations import data_folder
 from stepover.model.body import Body
 from stepover.model.description.urdf_text import urdf_text
 from stepover.planning.algorithm_1.feasibility import key_configurations
-from stepover.robots.files import find_urdf
-from stepover.robots.meshes import find_mesh
+from stepover.robots.files import find_file
 from stepover.robots.urdf import read_urdf
 from stepover.simulation.pybullet.client import load_body, pybullet, silenced
 
@@ -236,8 +235,8 @@ def changed(tmp_path, **changes):
 
 
 def test_a_package_that_is_not_installed_is_named():
-    with pytest.raises(InvalidInput, match="'no_such_description' is not installed"):
-        find_urdf("package://no_such_description/urdf/x.urdf", HRP2)
+    with pytest.raises(InvalidInput, match="looked for the package 'no_such_description' in the folders above"):
+        find_file("package://no_such_description/urdf/x.urdf", HRP2)
 
 
 def test_meshes_of_a_package_are_found_above_the_urdf(tmp_path):
@@ -245,11 +244,11 @@ def test_meshes_of_a_package_are_found_above_the_urdf(tmp_path):
     mesh.parent.mkdir(parents=True)
     mesh.write_text("")
     urdf = tmp_path / "thing_description" / "urdf" / "thing.urdf"
-    assert find_mesh("package://thing_description/meshes/a.obj", urdf) == mesh
+    assert find_file("package://thing_description/meshes/a.obj", urdf.parent) == mesh
     with pytest.raises(
         InvalidInput, match=r"b\.obj' is not found: looked for the package 'thing_description' in the folders above"
     ):
-        find_mesh("package://thing_description/meshes/b.obj", urdf)
+        find_file("package://thing_description/meshes/b.obj", urdf.parent)
 
 
 def test_a_mirrored_mesh_is_mirrored_once(tmp_path):

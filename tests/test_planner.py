@@ -298,7 +298,7 @@ def test_what_cannot_be_crossed_names_the_constraint_and_the_nearest_that_can(co
     motion = plan_in_detail(coarse, nearest, arms="off", extras=False, look_for_nearest=False).motion
     assert measure(coarse, motion).clearance_min >= 0.030
     assert "\n" not in str(caught.value)
-    more = {name: getattr(nearest, name) + 0.003 * (name == way) for name in ("height", "width")}
+    more = {name: getattr(nearest, name) + 0.006 * (name == way) for name in ("height", "width")}
     with pytest.raises(Infeasible):
         plan_in_detail(coarse, Obstacle(**more), arms="off", extras=False, look_for_nearest=False)
 

@@ -267,7 +267,7 @@ class TestStudy:
         run()
         assert parts() == 1
         for count, changed in enumerate(
-            [{"seed": 1}, {"sole": "rigid"}, {"actuators": "ideal"}, {"carried": short}], 2
+            [{"seed": 1}, {"sole": "rigid"}, {"actuators": "ideal"}, {"engine": "mujoco"}, {"carried": short}], 2
         ):
             run(**changed)
             assert parts() == count
@@ -276,8 +276,8 @@ class TestStudy:
         code = fingerprint.sources(robustness.__name__)
         monkeypatch.setattr(fingerprint, "sources", lambda module: code[1:])
         run()
-        assert parts() == 7
-        assert len(names) == 8
+        assert parts() == 8
+        assert len(names) == 9
 
     def test_stale_tables_are_refused(self, rows, motion, short):
         with pytest.raises(InvalidInput, match="another motion"):
@@ -413,17 +413,18 @@ class TestCommand:
         return CliRunner().invoke(main, [str(argument) for argument in arguments], prog_name="python -m stepover")
 
     def test_table_picture_and_json(self, quick):
-        run = ["study", "m.npz", "--runs", 3, "--jobs", 1, "--output", "t.csv", "--picture", "t.png", "--json"]
+        run = ["study", "m.npz", "--runs", 3, "--jobs", 1, "--output", "t.csv", "--picture", "t.png", "--json",
+               "--engine", "mujoco"]  # fmt: skip
         result = self.call(*run)
         assert result.exit_code == 0, result.output
         printed = json.loads(result.stdout)
         assert printed == json.loads(json.dumps(study_to_json(read_table(Path("t.csv")))))
         assert set(printed) == {
-            "robot", "motion", "actuators", "sole", "seed", "runs", "without_stabilizer", "with_stabilizer"
+            "robot", "motion", "actuators", "sole", "engine", "seed", "runs", "without_stabilizer", "with_stabilizer"
         }  # fmt: skip
         assert printed["runs"] == printed["with_stabilizer"]["runs"] == 3
         assert Path("t.png").stat().st_size > 10_000
-        assert {how["sole"] for how in quick} == {"compliant"}
+        assert {(how["sole"], how["engine"]) for how in quick} == {("compliant", "mujoco")}
 
     def test_summary_and_an_obstacle_to_plan_for(self, quick):
         result = self.call("study", "--height", 0.15, "--width", 0.05, "--runs", 2, "--jobs", 1, "--output", "t.csv")

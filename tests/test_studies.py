@@ -11,11 +11,12 @@ import pytest
 from conftest import HRP2
 
 from stepover.errors import InvalidInput
+from stepover.studies import breaking_points, landing, robustness, strategies, sweep, trials
 from stepover.studies import fingerprint as fingerprints
-from stepover.studies import landing, robustness, strategies, sweep, trials
 from stepover.studies import obstacle_plane as plane
 from stepover.studies import study as studies
 from stepover.studies.agreement import YES
+from stepover.studies.engines import convergence, samples
 from stepover.studies.fingerprint import fingerprint, robot_files, sources
 from stepover.studies.obstacle_plane import at, read_table, study
 from stepover.studies.study import run_study, write_rows
@@ -118,7 +119,13 @@ def test_the_fingerprint_follows_the_code_and_what_is_named(monkeypatch):
     assert now != fingerprint(plane.cross, "hrp2")
 
 
-@pytest.mark.parametrize("work", [plane.cross, strategies.cross, trials.carry_out, robustness.Trial, landing.carry_out])
+@pytest.mark.parametrize(
+    "work",
+    [
+        plane.cross, strategies.cross, trials.carry_out, robustness.Trial, landing.carry_out,
+        breaking_points.carry_out, convergence.carry_out, samples.carry_out,
+    ],
+)  # fmt: skip
 def test_all_code_that_rows_depend_on_counts(work):
     """What a fresh Python loads with the module is among what its imports say."""
     code = (

@@ -21,8 +21,8 @@ from stepover.studies.sweep import Crossing, Point, cross, summary, summary_line
 
 GRID = ["--heights", "0.05:0.1:0.05", "--widths", "0.05,0.3"]
 JSON_KEYS = {
-    "robot", "margin_height", "margin_width", "arms", "speed_limits", "obstacles", "planned", "refused", "simulated",
-    "crossed", "highest_planned", "widest_planned", "planned_clearance_min", "zmp_margin_min",
+    "robot", "margin_height", "margin_width", "arms", "speed_limits", "engine", "obstacles", "planned", "refused",
+    "simulated", "crossed", "highest_planned", "widest_planned", "planned_clearance_min", "zmp_margin_min",
     "simulated_clearance_min",
 }  # fmt: skip
 
@@ -81,8 +81,9 @@ class TestRows:
 
     def test_the_physics(self, monkeypatch):
         run = types.SimpleNamespace(crossed=False, clearance_min=-0.0012345, explanation="fell")
-        monkeypatch.setattr("stepover.simulation.run.simulate", lambda motion, robot: run)
-        row = Crossing(**cross(Point(0.05, 0.05)))
+        monkeypatch.setattr("stepover.simulation.run.simulate", lambda motion, robot, engine: {"mujoco": run}[engine])
+        row = Crossing(**cross(Point(0.05, 0.05, engine="mujoco")))
+        assert row.engine == "mujoco"
         assert (row.planned, row.crossed, row.simulated_clearance, row.reason) == (True, False, -0.00123, "fell")
 
     def test_a_robot_by_its_path(self, spoilt):
@@ -100,7 +101,7 @@ class TestSummary:
     KNOWN = {"robot": "hrp2", "version": "0", "margin_height": 0.03, "margin_width": 0.03}  # noqa: RUF012
 
     def test_numbers(self):
-        good = {"planned": True, "planned_clearance": 0.033, "zmp_margin": 0.02, **self.KNOWN}
+        good = {"planned": True, "planned_clearance": 0.033, "zmp_margin": 0.02, "engine": "mujoco", **self.KNOWN}
         rows = [
             Crossing(height=0.1, width=0.2, crossed=True, simulated_clearance=0.031, **good),
             Crossing(height=0.2, width=0.1, crossed=False, simulated_clearance=-0.001, **good),
@@ -110,7 +111,7 @@ class TestSummary:
         assert (found["obstacles"], found["planned"], found["refused"], found["crossed"]) == (3, 2, 1, 1)
         assert (found["highest_planned"], found["widest_planned"]) == (0.2, 0.2)
         assert (found["planned_clearance_min"], found["simulated_clearance_min"]) == (0.033, -0.001)
-        assert dict(summary_lines(found))["crossed in the physics"] == "1 of 2"
+        assert dict(summary_lines(found))["crossed in the physics"] == "1 of 2, engine mujoco"
 
     def test_where_nothing_was_planned(self):
         found = summary([Crossing(height=0.9, width=0.1, planned=False, **self.KNOWN)])

@@ -15,7 +15,8 @@ from stepover.locations import data_folder
 from stepover.model.description.links import MESH
 from stepover.model.description.urdf_text import urdf_text
 from stepover.robots import urdf as module
-from stepover.robots.meshes import corners_of_mesh, find_mesh
+from stepover.robots.files import find_file
+from stepover.robots.meshes import corners_of_mesh
 from stepover.robots.urdf import read_urdf
 
 HRP2 = data_folder() / "hrp2"
@@ -78,7 +79,7 @@ class TestAgainstPinocchio:
         )
 
     def test_a_robot_with_many_fixed_joints(self):
-        path = find_mesh("package://jvrc_description/urdf/jvrc1.urdf", HRP2 / "hrp2.urdf")
+        path = find_file("package://jvrc_description/urdf/jvrc1.urdf", HRP2)
         assert 'type="fixed"' in path.read_text()
         same_models(model(path), pin.buildModelFromUrdf(str(path), pin.JointModelFreeFlyer()), 1e-12)
 
@@ -283,26 +284,26 @@ class TestResolver:
     NAME = "package://robot_description/meshes/m.obj"
 
     def test_by_the_name_in_package_xml(self, package):
-        assert find_mesh(self.NAME, package / "urdf" / "r.urdf") == package / "meshes" / "m.obj"
+        assert find_file(self.NAME, package / "urdf") == package / "meshes" / "m.obj"
 
     def test_by_the_folder(self, package):
         package = package.rename(package.parent / "robot_description")
-        assert find_mesh(self.NAME, package / "urdf" / "r.urdf") == package / "meshes" / "m.obj"
+        assert find_file(self.NAME, package / "urdf") == package / "meshes" / "m.obj"
 
     def test_by_the_ros_package_path(self, package, tmp_path_factory, monkeypatch):
         elsewhere = tmp_path_factory.mktemp("elsewhere") / "r.urdf"
         with pytest.raises(InvalidInput, match="ROS_PACKAGE_PATH"):
-            find_mesh(self.NAME, elsewhere)
+            find_file(self.NAME, elsewhere.parent)
         monkeypatch.setenv("ROS_PACKAGE_PATH", f"/nowhere:{package.parent}")
-        assert find_mesh(self.NAME, elsewhere) == package / "meshes" / "m.obj"
+        assert find_file(self.NAME, elsewhere.parent) == package / "meshes" / "m.obj"
 
     def test_in_a_python_package(self, tmp_path):
-        found = find_mesh("package://jvrc_description/meshes/R_KNEE_S.dae", tmp_path / "r.urdf")
+        found = find_file("package://jvrc_description/meshes/R_KNEE_S.dae", tmp_path)
         assert found.is_file()
 
     def test_a_file_address(self, package):
         path = package / "meshes" / "m.obj"
-        assert find_mesh(f"file://{path}", package / "r.urdf") == path
+        assert find_file(f"file://{path}", package) == path
 
 
 def test_meshes_are_read_as_they_are_written():

@@ -43,13 +43,20 @@ margins = together(
         "--margin-height", type=float, default=0.03, show_default=True, help="Safety margin above the obstacle [m]."
     ),
     click.option(
-        "--margin-width", type=float, default=0.03, show_default=True, help="Safety margin before and behind it [m]."
+        "--margin-width",
+        type=float,
+        default=0.03,
+        show_default=True,
+        help="Safety margin before and behind the obstacle [m].",
     ),
 )
 planner_choices = together(
     choice("--arms", ("auto", "on", "off"), "Swing the arms back: if the plan needs it, always, or never."),
     choice("--speed-limits", ("ignore", "respect"), "Ignore the joints' speed limits, as in the paper, or keep them."),
 )
+
+
+engine = choice("--engine", ("pybullet", "mujoco"), "The physics engine.")
 
 
 def physics(actuators: str = "ideal", sole: str = "rigid") -> Option:
@@ -60,6 +67,7 @@ def physics(actuators: str = "ideal", sole: str = "rigid") -> Option:
             help="Ideal motors without limits, as in the paper, or servos whose torque drops near the speed limit.",
         ),
         choice("--sole", ("rigid", "compliant"), "Rigid soles, or rubber between ankle and sole.", default=sole),
+        engine,
     )  # fmt: skip
 
 

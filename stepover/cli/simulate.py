@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from stepover.cli.commands import NOT_CROSSED, Command, complain, progress, say
-from stepover.cli.options import as_json, choice, motion_file, new_file, pairs, physics, robot_file
+from stepover.cli.options import as_json, motion_file, new_file, pairs, physics, robot_file
 from stepover.errors import InvalidInput
 from stepover.extras import needs
 
@@ -34,11 +34,14 @@ class _Disturbed(Command):
 @click.command(cls=_Disturbed)
 @motion_file
 @physics()
-@choice("--engine", ("pybullet", "mujoco"), "The physics engine.")
 @robot_file
 @click.option("--stabilizer/--no-stabilizer", default=False, show_default=True, help="Balance with sensor feedback.")
 @click.option(
-    "--perturb", multiple=True, metavar="NAME=VALUE", callback=pairs, help="A disturbance from the list below."
+    "--perturb",
+    multiple=True,
+    metavar="NAME=VALUE",
+    callback=pairs,
+    help="A disturbance from the list below; may be repeated.",
 )
 @new_file("--video", "Write a video from the side", ".mp4")
 @as_json

@@ -37,6 +37,7 @@ def study(
     seed: int,
     actuators: str,
     sole: str,
+    engine: str,
     robot: str | None,
     jobs: int | None,
     output: Path,
@@ -75,8 +76,8 @@ def study(
         raise InvalidInput("give a motion, such as motion.npz, or --height and --width")
     with goes_on(output):
         robustness.study(
-            planned, runs, seed, actuators=actuators, sole=sole, robot=robot, table=output, build=output.parent,
-            workers=jobs,
+            planned, runs, seed, actuators=actuators, sole=sole, engine=engine, robot=robot, table=output,
+            build=output.parent, workers=jobs,
         )  # fmt: skip
     rows = robustness.read_table(output)
     if picture is not None:

@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from stepover.cli.commands import Command, goes_on, one_thread_a_process, say
-from stepover.cli.options import as_json, choice, margins, new_file, planner_choices
+from stepover.cli.options import as_json, choice, engine, margins, new_file, planner_choices
 from stepover.errors import InvalidInput
 from stepover.planning.planner import PLANNERS
 
@@ -39,6 +39,7 @@ def _anywhere(context: click.Context, parameter: click.Parameter, value: str) ->
 @choice("--planner", tuple(PLANNERS), "Which planner; --arms and --speed-limits are the paper's.")
 @planner_choices
 @click.option("--simulate", "physics", is_flag=True, help="Also simulate each planned motion, with ideal motors.")
+@engine
 @click.option("--jobs", type=click.IntRange(1), help="Obstacles at a time; default: one for each core.")
 @click.option("--dask", metavar="ADDRESS", help="Use a Dask cluster; the address of its scheduler.")
 @new_file("--output", "File for the table", ".csv", required=True)

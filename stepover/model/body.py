@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import cached_property, lru_cache
 
 import numpy as np
@@ -18,6 +19,13 @@ from stepover.model import pose
 from stepover.model.description.links import Description
 from stepover.model.description.urdf_text import urdf_text
 from stepover.model.kinematics import Joint, Placements, place_joints
+
+
+def _told_apart(description: Description) -> Description:
+    """The robot with other names for its links: a joint may be called like a link, but pinocchio's frames may not."""
+    links = tuple(replace(link, name=f"link {link.name}") for link in description.links)
+    joints = tuple(replace(j, parent=f"link {j.parent}", child=f"link {j.child}") for j in description.joints)
+    return replace(description, links=links, joints=joints)
 
 
 class Body:
@@ -35,7 +43,7 @@ class Body:
     def __init__(self, description: Description) -> None:
         """Build the model of a robot."""
         self.description = description
-        self._model = pin.buildModelFromXML(urdf_text(description), pin.JointModelFreeFlyer())
+        self._model = pin.buildModelFromXML(urdf_text(_told_apart(description)), pin.JointModelFreeFlyer())
         self.joint_names = list(self._model.names)[2:]
         self.link_names = [link.name for link in description.links]
         self.lower, self.upper = self._model.lowerPositionLimit[7:].copy(), self._model.upperPositionLimit[7:].copy()

@@ -28,7 +28,6 @@ class Prediction:
         self,
         urdf: str,
         joints: Sequence[str],
-        armature: np.ndarray,
         points: Sequence[tuple[str, np.ndarray]],
         step: float,
     ) -> None:
@@ -37,7 +36,6 @@ class Prediction:
         Args:
             urdf: the robot's description itself.
             joints: names of all joints, in the order of the arrays of acceleration.
-            armature: (J,) armature of each joint [kg m^2].
             points: for each foot, the joint that moves it, and points (C, 3) in that joint's frame [m].
             step: time in which the floor stops a point [s].
         """
@@ -47,9 +45,7 @@ class Prediction:
         ids = [self._model.getJointId(joint) for joint in joints]
         self._q = np.array([self._model.joints[i].idx_q for i in ids])
         self._v = np.array([self._model.joints[i].idx_v for i in ids])
-        full = np.zeros(self._model.nv)
-        full[self._v] = armature
-        self._model.armature = full
+        self._armature = np.zeros(self._model.nv)
         self._feet = [(self._model.getJointId(joint), corners) for joint, corners in points]
         self._settings = pin.ProximalSettings(1e-12, REGULARISATION, ROUNDS)
         self._known: dict[tuple[int, ...], tuple] = {}
@@ -76,6 +72,7 @@ class Prediction:
         speeds: np.ndarray,
         torque: np.ndarray,
         standing: tuple[int, ...],
+        armature: np.ndarray,
     ) -> np.ndarray:
         """Joint accelerations (J,).
 
@@ -87,7 +84,10 @@ class Prediction:
             torque: (J,) torques on all joints [N m, N].
             standing: numbers of the points that may stand on the floor, counted over all feet, in rising order. The
                 floor holds a point only if it need not pull it.
+            armature: (J,) additional inertia of each joint [kg m^2].
         """
+        self._armature[self._v] = armature
+        self._model.armature = self._armature
         self._state[:7], self._state[self._q] = base, angles
         self._speed[:6], self._speed[self._v] = twist, speeds
         self._torque[self._v] = torque

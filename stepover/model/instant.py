@@ -12,6 +12,8 @@ from stepover.model.robot import Robot
 
 TOLERANCE = 1e-7
 """Pose error at which the iteration of the legs has converged [m, rad]."""
+NEAR = 1e-4
+"""Pose error so small that one more Newton step, whose error is its square, converges [m, rad]."""
 DAMPING = 1e-8 * np.eye(6)
 """Damping of the legs' iteration: no effect on a bent knee, and finite steps for a straight one."""
 
@@ -67,12 +69,15 @@ class Instant:
         for done in range(rounds):
             pin.computeJointJacobians(self._model, self._data, self._q)
             errors = {side: self._error(side, *target) for side, target in targets.items()}
-            if all(np.abs(error).max() < TOLERANCE for error in errors.values()):
+            off = max(max(error.max(), -error.min()) for error in errors.values())
+            if off < TOLERANCE:
                 return guess if done == 0 else self._q[7:].copy()
             for side, error in errors.items():
                 joints[self._columns[side]] += self._newton(side, error)
             self._q[7:] = np.minimum(np.maximum(joints, self._lower), self._upper)
             joints = self._q[7:].copy()
+            if off < NEAR:
+                break
         return joints
 
     def _error(self, side: int, rotation: np.ndarray, position: np.ndarray) -> np.ndarray:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stepover.errors import Infeasible
+from stepover.errors import Infeasible, LimitBroken
 from stepover.model.collision import Clearance, clearance, least_separation
 from stepover.model.gravity import GRAVITY
 from stepover.model.kinematics import Placements
@@ -15,6 +15,7 @@ from stepover.model.parameters.planning import samples
 from stepover.model.robot import Robot
 from stepover.model.self_collision import self_clearance
 from stepover.model.support import zmp_margin
+from stepover.motion.footsteps import NORMAL
 from stepover.motion.motion import Motion
 
 
@@ -144,7 +145,12 @@ def require(robot: Robot, motion: Motion, placements: Placements | None = None) 
         Infeasible: names the joint, link or ZMP, by how much and when.
     """
     for found in _must_keep(robot, motion, placements, up_to=0.0):
-        _refuse(found)
+        if not found.kept:
+            measured = found.unit == "m" and found.check != SELF_COLLISION
+            short, walking = -found.margin if measured else np.inf, _is_walking(motion, found)
+            if _between_legs(robot, found):  # how near the legs come to each other follows no trend
+                raise Infeasible(found.refusal, short=short, walking=walking)
+            raise LimitBroken(found.refusal, f"{found.check}: {found.part}", -found.margin, short, walking)
 
 
 def require_speeds(robot: Robot, motion: Motion) -> None:
@@ -153,17 +159,30 @@ def require_speeds(robot: Robot, motion: Motion) -> None:
     Raises:
         Infeasible: names the joint that moves fastest for its limit, its share of it and when.
     """
-    _refuse(_joint_speeds(robot, motion))
-
-
-def _refuse(found: Finding) -> None:
-    """Raise Infeasible for a limit that is not kept."""
+    found = _joint_speeds(robot, motion)
     if not found.kept:
-        measured = found.unit == "m" and found.check != SELF_COLLISION
-        raise Infeasible(found.refusal, short=-found.margin if measured else np.inf)
+        raise Infeasible(found.refusal)
 
 
-SELF_COLLISION = "self-collision"
+def _between_legs(robot: Robot, found: Finding) -> bool:
+    """Whether the links that meet are both of a leg."""
+    joints = {robot.body.index(joint) for leg in (robot.legs.left, robot.legs.right) for joint in leg}
+    links = {shape.link for shape in robot.shapes if shape.joint in joints}
+    return found.check == SELF_COLLISION and set(found.part.split(" and ")) <= links
+
+
+def _is_walking(motion: Motion, found: Finding) -> bool:
+    """Whether a limit is broken where the obstacle hardly matters: in a normal step; where links meet, before phase 1.
+
+    The step before the obstacle brings the waist down for it, which may cost reach or balance, but moves no arm.
+    """
+    steps = motion.footsteps
+    kinds = steps.kind[steps.time >= found.time - 1e-9][:1]
+    before = motion.has_phases and found.time < motion.time[motion.samples(1).start]
+    return NORMAL in kinds or (before and found.check == SELF_COLLISION)
+
+
+ZMP, SELF_COLLISION = "ZMP", "self-collision"
 
 
 def _must_keep(
@@ -178,7 +197,7 @@ def _must_keep(
     yield _least(motion, "knees", bent, list(robot.legs.knee), wanted, straight)
     inside = zmp_margin(robot, motion.zmp, motion.support, motion.left_foot, motion.right_foot) - kept.zmp_margin
     short = "short of its margin to the support polygon's edge"
-    yield _least(motion, "ZMP", inside[:, None], ["the ZMP"], short, kept.zmp_margin, "m")
+    yield _least(motion, ZMP, inside[:, None], ["the ZMP"], short, kept.zmp_margin, "m")
     placements = placements or body.placements(motion.q)
     apart, one, other, sample = self_clearance(
         robot.own_pairs, placements, samples(kept.self_look_every, motion.dt), up_to

@@ -14,7 +14,7 @@ from stepover.model.obstacle import Obstacle
 
 SMALLEST = 0.02
 """Height or width [m] at which the search ends."""
-RESOLUTION = 0.002
+RESOLUTION = 0.005
 """At which the bisection ends [m]."""
 
 
@@ -48,11 +48,21 @@ def nearest_crossable(
     found = [_farthest(obstacle, here, lower - here, works)]
     if found[0] is None and not works(_resized(obstacle, smallest)):
         return None
-    found.append(_farthest(obstacle, here, narrower - here, works))
+    found.append(_farthest(obstacle, here, _at_most(narrower - here, _change(found[0], here)), works))
     if not any(found):
         found = [_farthest(obstacle, here, smallest - here, works)]
     good = [one for one in found if one is not None]
-    return min(good, key=lambda one: np.hypot(one.height - here[0], one.width - here[1]), default=None)
+    return min(good, key=lambda one: _change(one, here), default=None)
+
+
+def _change(found: Obstacle | None, here: np.ndarray) -> float:
+    """How far an obstacle that was found is from the one that was asked for, by height and width (2,) [m]."""
+    return float(np.inf) if found is None else float(np.hypot(found.height - here[0], found.width - here[1]))
+
+
+def _at_most(change: np.ndarray, length: float) -> np.ndarray:
+    """A change of height and width (2,), no longer than that [m]: what is further away cannot be the nearest."""
+    return change * min(1.0, length / max(float(np.hypot(*change)), 1e-9))
 
 
 def _tries(change: np.ndarray) -> int:

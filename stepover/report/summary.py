@@ -129,7 +129,7 @@ def run_summary(run: Run) -> str:
     rows = [
         ("outcome", _outcome(run)),
         ("set-up", f"{result['actuators']} actuators, {result['sole']} soles, "
-                   f"{'with' if result['stabilizer'] else 'no'} stabilizer"),
+                   f"{'with' if result['stabilizer'] else 'no'} stabilizer, engine {result['engine']}"),
         ("clearance", f"{_or_dash(result['clearance_min'], '{:.1f} mm at least at the samples', 1e3)}, "
                       f"{result['clearance_link']}"),
         ("obstacle contacts", f"{result['obstacle_contacts']} samples"),

@@ -11,7 +11,7 @@ from stepover.report.tables.table import table
 from stepover.reproduction.captions import Caption
 from stepover.reproduction.claims import DIFFERS, HOLDS, UNTESTED
 from stepover.reproduction.marked import with_block
-from stepover.reproduction.recorder import shown
+from stepover.reproduction.recorder import in_engines, shown
 
 MARK = "claims"
 """Name of README's generated block."""
@@ -88,7 +88,7 @@ def _stressed(verdict: str) -> str:
 
 def _numbers(row: Entry) -> tuple[str, str]:
     """The paper's value and ours."""
-    return shown(row["paper"], row["unit"]), shown(row["measured"], row["unit"])
+    return shown(row["paper"], row["unit"]), in_engines(row, row["unit"])
 
 
 def _places(row: Entry) -> str:

@@ -18,7 +18,7 @@ from stepover.reproduction.claims import DIFFERS, HOLDS, UNTESTED, VERDICTS, rea
 
 SUFFIX = ".claims.json"
 """Ending of the name of a record file."""
-PACKAGES = ("numpy", "pin", "pybullet")
+PACKAGES = ("numpy", "pin", "pybullet", "mujoco-core")
 """The packages whose versions a record keeps."""
 
 
@@ -46,26 +46,44 @@ class Recorder:
     ) -> None:
         """Record the measured value of a claim, in its unit. Its rule gives the verdict, unless one is given.
 
+        A claim on the physics is measured in several engines. It holds if it holds in all of them.
+
+        Args:
+            claim: its id.
+            measured: the value; or values by the name of the engine, that of the paper's cases first.
+            reason: what the value depends on, or why it differs.
+            verdict: one of VERDICTS, if the rule cannot judge.
+            parameters: more than the notebook's.
+
         Raises:
             InvalidInput: this notebook has no such claim, the verdict is unknown, or it needs a reason.
         """
         if claim not in self.claims:
             raise InvalidInput(f"{self.path.name}: {claim!r} is no claim of this notebook: see data/claims.toml")
-        one, value = self.claims[claim], plain(measured)
-        found = verdict or (HOLDS if one.holds(value) else DIFFERS)
+        one, values = self.claims[claim], plain(measured if isinstance(measured, Mapping) else {"": measured})
+        each = {engine: HOLDS if one.holds(value) else DIFFERS for engine, value in values.items()}
+        value, found = next(iter(values.values())), verdict or max(each.values(), key=VERDICTS.index)
+        if len(set(each.values())) > 1 and not verdict:
+            said = ", ".join(f"{said} in {engine}" for engine, said in each.items())
+            reason = f"{reason}; the engines disagree: {said}" if reason else f"the engines disagree: {said}"
         if found not in VERDICTS or (found == UNTESTED and not reason):
             raise InvalidInput(f"claim {claim!r}: verdict {found!r} must be one of {', '.join(VERDICTS)}, "
                                "and the last one needs a reason")  # fmt: skip
+        digits = 2 if one.varies else 4
         self.records[claim] = {
-            "id": claim, "measured": shortened(value, 2 if one.varies else 4), "verdict": found, "reason": reason,
+            "id": claim, "measured": shortened(value, digits), "verdict": found, "reason": reason,
             "parameters": plain(self.parameters | parameters), "versions": self.versions,
         }  # fmt: skip
+        if len(values) > 1:
+            self.records[claim]["engines"] = {
+                engine: {"measured": shortened(values[engine], digits), "verdict": each[engine]} for engine in values
+            }
         self._write()
 
     def table(self) -> Table:
         """The records so far."""
         rows = [
-            (one.statement, shown(one.paper, one.unit), shown(row["measured"], one.unit), row["verdict"], row["reason"])
+            (one.statement, shown(one.paper, one.unit), in_engines(row, one.unit), row["verdict"], row["reason"])
             for row in self.records.values() for one in [self.claims[row["id"]]]
         ]  # fmt: skip
         return table("claim | paper | here | verdict | reason, or what it depends on", rows)
@@ -98,6 +116,14 @@ def shortened(value: Any, digits: int) -> Any:
     if isinstance(value, float):
         return float(f"{value:.{digits}g}") if math.isfinite(value) else None
     return value
+
+
+def in_engines(row: Mapping[str, Any], unit: str) -> str:
+    """What a record measured, for a table; in each engine where there are several and they differ."""
+    values = {engine: shown(one["measured"], unit) for engine, one in row.get("engines", {}).items()}
+    if len(set(values.values())) < 2:
+        return shown(row["measured"], unit)
+    return ", ".join(f"{value} ({engine})" for engine, value in values.items())
 
 
 def shown(value: Any, unit: str = "") -> str:

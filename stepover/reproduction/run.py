@@ -2,7 +2,7 @@
 
 A notebook writes into a staging folder. When the whole notebook has succeeded, the files move to figures/. A run that
 fails or is killed leaves the old figures unchanged. The records of the claims are gathered at the end, when all
-notebooks have succeeded.
+notebooks have succeeded. An experiment may run beside the reference; two of a kind may not.
 """
 
 from __future__ import annotations
@@ -15,6 +15,8 @@ from pathlib import Path
 from typing import Any
 
 from stepover.errors import InvalidInput, StepOverError
+from stepover.output import alone
+from stepover.reproduction.kernel import own_kernel
 from stepover.reproduction.verdicts import gather, take_records
 
 OUTPUT = "output"
@@ -51,30 +53,40 @@ def reproduce(top: Path, only: str | None = None, parameters: dict[str, str] | N
         The files that were written: the figures and, without own parameters, figures/claims.json and its pages.
 
     Raises:
-        InvalidInput: an unknown notebook or parameter, or a value of the wrong type: nothing has run then. Or records
-            and data/claims.toml disagree: the old claims stay unchanged.
+        InvalidInput: an unknown notebook or parameter, a value of the wrong type, or another run of the same kind is
+            at work: nothing has run then. Or records and data/claims.toml disagree: the old claims stay unchanged.
         NotebookFailed: names notebook, cell and error. The old figures of that notebook stay unchanged. With own
             parameters it names all notebooks that failed, after the others have run, and has the largest exit code.
     """
     notebooks = find_notebooks(top, only)
     values = _own_values(notebooks, parameters or {})
-    place = top / "build" / "figures" if parameters else top / "figures"
-    copies = top / "build" / ("experiment" if parameters else "notebooks")
+    kind = "experiment" if parameters else "reference"
+    with alone(top / "build" / f"{kind}.lock", f"{'build/figures/' if parameters else 'figures/'} is being written"):
+        return _run_all(top, notebooks, values, kind, whole=only is None)
+
+
+def _run_all(
+    top: Path, notebooks: list[Path], values: dict[Path, dict[str, Any]], kind: str, whole: bool
+) -> list[Path]:
+    """Run notebooks one after the other, for the reference or an experiment. The files that were written."""
+    experiment = kind == "experiment"
+    place = top / "build" / "figures" if experiment else top / "figures"
+    copies = top / "build" / ("experiment" if experiment else "notebooks")
     written, recorded, failed = list[Path](), {}, list[NotebookFailed]()
     for k, notebook in enumerate(notebooks, start=1):
-        staging = top / "build" / "staging" / notebook.stem
+        staging = top / "build" / "staging" / kind / notebook.stem
         label = f"{k} of {len(notebooks)}: {notebook.stem}" if len(notebooks) > 1 else ""
         try:
             shutil.rmtree(staging, ignore_errors=True)
             staging.mkdir(parents=True)
             run_notebook(notebook, copies / notebook.name, staging, values[notebook], label)
-            if not parameters:
+            if not experiment:
                 recorded[notebook.stem] = take_records(staging)
             written += _move(staging, place)
         except OSError as error:
             raise NotebookFailed(f"notebook {notebook.stem}: {error}") from error
         except NotebookFailed as error:
-            if not parameters:
+            if not experiment:
                 raise
             failed.append(error)
     if failed:
@@ -84,7 +96,7 @@ def reproduce(top: Path, only: str | None = None, parameters: dict[str, str] | N
             else ""
         )
         raise NotebookFailed(done + "; ".join(map(str, failed)), max(error.exit_code for error in failed))
-    return written if parameters else written + gather(top, recorded, whole=only is None)
+    return written if experiment else written + gather(top, recorded, whole)
 
 
 def find_notebooks(top: Path, only: str | None = None) -> list[Path]:
@@ -113,7 +125,7 @@ def run_notebook(notebook: Path, executed: Path, output: Path, values: dict[str,
     own = values | ({OUTPUT: str(output)} if OUTPUT in parameters_of(notebook) else {})
     try:
         papermill.execute_notebook(
-            notebook, executed, own, kernel_name="python3", cwd=notebook.parent,
+            notebook, executed, own, kernel_name="python3", kernel_manager_class=own_kernel(), cwd=notebook.parent,
             progress_bar={"desc": label or notebook.stem, "unit": "cell"}, extra_arguments=["--log-level=CRITICAL"],
         )  # fmt: skip
     except papermill.PapermillExecutionError as error:

@@ -108,7 +108,7 @@ def _as_before(row: Entry, before: Entry) -> bool:
 def entry(claim: Claim, record: Entry) -> Entry:
     """The entry of a claim in claims.json."""
     said = dataclasses.asdict(claim)
-    measured = {name: record[name] for name in RECORDED}
+    measured = {name: record[name] for name in (*RECORDED, "engines") if name in record or name in RECORDED}
     first = {name: said[name] for name in ("id", "section", "statement", "paper", "unit")}
     then = {name: said[name] for name in ("compare", "bound", "tolerance", "varies", "notebook", "figure")}
     return first | {"measured": measured.pop("measured")} | then | measured

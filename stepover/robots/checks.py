@@ -124,6 +124,16 @@ def require_room_to_sink(robot: Robot) -> None:
         )  # fmt: skip
 
 
+def require_whole_steps(robot: Robot) -> None:
+    """Refuse samples of a motion that the physics cannot meet: they come at ends of its time steps."""
+    sample, step = robot.walk.sample_time, robot.simulation.time_step
+    if abs(sample - max(round(sample / step), 1) * step) > 1e-9:
+        raise WrongEntry(
+            f"walk.sample_time = {sample:g} must be a multiple of simulation.time_step = {step:g}",
+            "walk.sample_time", "simulation.time_step", "walk",
+        )  # fmt: skip
+
+
 def _require_sole_on_floor(robot: Robot, side: int) -> None:
     """Refuse a half-sitting in which a sole does not lie on the floor: it is seen from the last joint's frame."""
     leg, rest = robot.leg(side), robot.half_sitting()[None]

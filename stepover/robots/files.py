@@ -1,7 +1,10 @@
-"""Where a robot's files lie: in data/, beside its robot.toml, anywhere, or in an installed Python package."""
+"""Where a robot's files lie, URDF and meshes alike, and what may be read of them."""
 
 from __future__ import annotations
 
+import os
+import xml.etree.ElementTree as ET
+from collections.abc import Iterator
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -11,25 +14,55 @@ from stepover.locations import require_regular
 PACKAGE = "package://"
 
 
-def find_urdf(name: str, folder: Path) -> Path:
-    """The URDF that robot.toml names.
+def find_file(name: str, folder: Path) -> Path:
+    """The file that a robot.toml or a URDF names.
 
     Args:
-        name: relative to the folder, absolute, or package://NAME/..., where NAME is an installed Python package.
-        folder: where robot.toml lies.
+        name: relative to the folder, absolute, a `file://` address, or `package://NAME/...`, where NAME is a ROS
+            package or an installed Python package.
+        folder: where the naming file lies.
 
     Raises:
-        InvalidInput: there is no such package.
+        InvalidInput: no such package holds the file; the message says where it was looked for.
     """
     if not name.startswith(PACKAGE):
-        return folder / name
+        return folder / name.removeprefix("file://")
     package, _, rest = name.removeprefix(PACKAGE).partition("/")
+    for place in _package_folders(package, folder):
+        if (place / rest).is_file():
+            return place / rest
+    raise InvalidInput(
+        f"{name!r} is not found: looked for the package {package!r} in the folders above {folder}, "
+        "in ROS_PACKAGE_PATH and among the installed Python packages"
+    )
+
+
+def _package_folders(package: str, start: Path) -> Iterator[Path]:
+    """Folders that may be a package: by their name, or by the name in their package.xml."""
+    for folder in (start.resolve(), *start.resolve().parents):
+        yield folder / package
+        if _package_name(folder) == package:
+            yield folder
+    for entry in os.environ.get("ROS_PACKAGE_PATH", "").split(os.pathsep):
+        root = Path(entry)
+        if not entry or not root.is_dir():
+            continue
+        yield root / package
+        for folder in (root, *sorted(path for path in root.iterdir() if path.is_dir())):
+            if folder.name == package or _package_name(folder) == package:
+                yield folder
     found = find_spec(package) if package.isidentifier() else None
-    if found is None or not found.submodule_search_locations:
-        raise InvalidInput(
-            f"urdf = {name!r}: the Python package {package!r} is not installed (try pip install {package})"
-        )
-    return Path(found.submodule_search_locations[0]).resolve() / rest
+    for place in (found.submodule_search_locations or []) if found else []:
+        yield Path(place).resolve()
+        yield Path(place).resolve().parent
+
+
+def _package_name(folder: Path) -> str:
+    """Name of a ROS package in its package.xml; empty where there is none."""
+    try:
+        return (ET.parse(folder / "package.xml").getroot().findtext("name") or "").strip()
+    except (OSError, ET.ParseError):
+        return ""
 
 
 def require_readable(path: Path, most: int) -> None:

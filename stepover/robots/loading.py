@@ -16,9 +16,15 @@ from stepover.model.parameters.facts import Posture
 from stepover.model.parameters.scaling import scaled
 from stepover.model.parameters.slow import SLOW
 from stepover.model.robot import Robot
-from stepover.robots.checks import require_apart, require_joints, require_room_to_sink, require_standing
+from stepover.robots.checks import (
+    require_apart,
+    require_joints,
+    require_room_to_sink,
+    require_standing,
+    require_whole_steps,
+)
 from stepover.robots.derived import com_height, standing
-from stepover.robots.files import find_urdf, read_text
+from stepover.robots.files import find_file, read_text
 from stepover.robots.reading import WrongEntry, line_of, read_section, require_known
 from stepover.robots.urdf import read_urdf
 
@@ -72,7 +78,7 @@ def _robot(table: dict[str, Any], folder: Path) -> Robot:
         if key not in table:
             raise WrongEntry(f"lacks the table {key!r}")
     require_known(table, [*TEXTS, *FACTS, *PARAMETERS, "slow"])
-    path = find_urdf(urdf, folder)
+    path = find_file(urdf, folder)
     unknown = dict.fromkeys(("waist_height", "feet_apart"), nan)
     facts = {
         key: read_section(kind, table[key], key, unknown if key == "posture" else {}) for key, kind in FACTS.items()
@@ -86,6 +92,7 @@ def _robot(table: dict[str, Any], folder: Path) -> Robot:
     tables = {key: read_section(kind, given[key], key, _defaults(bare, key)) for key, kind in PARAMETERS.items()}
     robot = replace(bare, **tables)
     require_room_to_sink(robot)
+    require_whole_steps(robot)
     return replace(robot, slow=MappingProxyType(_slow(robot, given)) if _is_slowed(table) else {})
 
 

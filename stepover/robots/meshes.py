@@ -1,12 +1,8 @@
-"""Mesh files: where they lie, and their convex hulls."""
+"""Mesh files: their corners, and what makes them useless."""
 
 from __future__ import annotations
 
-import os
 import re
-import xml.etree.ElementTree as ET
-from collections.abc import Iterator
-from importlib.util import find_spec
 from pathlib import Path
 
 import coal
@@ -14,62 +10,12 @@ import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
 from stepover.errors import InvalidInput
-from stepover.robots.files import PACKAGE, require_readable
+from stepover.robots.files import require_readable
 
 MOST_BYTES = 200_000_000
 """Largest mesh file that is read: finer ones than that serve no planner."""
 FLAT = 1e-6
 """m: a hull that is thinner is flat."""
-
-
-def find_mesh(name: str, urdf: Path) -> Path:
-    """The file of a mesh that a URDF names.
-
-    Args:
-        name: relative to the URDF, absolute, a `file://` address, or `package://NAME/...`
-        urdf: the URDF.
-
-    Raises:
-        InvalidInput: there is no such file or package; the message says where it was looked for.
-    """
-    if not name.startswith(PACKAGE):
-        return urdf.parent / name.removeprefix("file://")
-    package, _, rest = name.removeprefix(PACKAGE).partition("/")
-    folders = [folder for folder in _package_folders(package, urdf) if (folder / rest).is_file()]
-    if not folders:
-        raise InvalidInput(
-            f"{name!r} is not found: looked for the package {package!r} in the folders above the URDF, "
-            "in ROS_PACKAGE_PATH and among the installed Python packages"
-        )
-    return folders[0] / rest
-
-
-def _package_folders(package: str, urdf: Path) -> Iterator[Path]:
-    """Folders that may be a ROS package: by their name, or by the name in their package.xml."""
-    for folder in urdf.resolve().parents:
-        yield folder / package
-        if _named(folder) == package:
-            yield folder
-    for entry in os.environ.get("ROS_PACKAGE_PATH", "").split(os.pathsep):
-        root = Path(entry)
-        if not entry or not root.is_dir():
-            continue
-        yield root / package
-        for folder in (root, *sorted(path for path in root.iterdir() if path.is_dir())):
-            if folder.name == package or _named(folder) == package:
-                yield folder
-    found = find_spec(package) if package.isidentifier() else None
-    for place in (found.submodule_search_locations or []) if found else []:
-        yield Path(place).resolve()
-        yield Path(place).resolve().parent
-
-
-def _named(folder: Path) -> str:
-    """Name of a ROS package in its package.xml; empty where there is none."""
-    try:
-        return (ET.parse(folder / "package.xml").getroot().findtext("name") or "").strip()
-    except (OSError, ET.ParseError):
-        return ""
 
 
 def corners_of_mesh(path: Path) -> np.ndarray:

@@ -11,8 +11,8 @@ from scipy.spatial.transform import Rotation
 from stepover.errors import InvalidInput
 from stepover.model.description.corners import corners_of
 from stepover.model.description.links import BOX, CYLINDER, MESH, ORIGIN, SPHERE, Inertia, Place, Solid, Visual
-from stepover.robots.files import require_readable
-from stepover.robots.meshes import MOST_BYTES, corners_of_mesh, find_mesh, require_solid
+from stepover.robots.files import find_file, require_readable
+from stepover.robots.meshes import MOST_BYTES, corners_of_mesh, require_solid
 
 SIZES = {BOX: ("size",), CYLINDER: ("radius", "length"), SPHERE: ("radius",)}
 """Attributes of the shapes."""
@@ -133,7 +133,7 @@ def solid_of(element: ET.Element, urdf: Path, link: str) -> Solid:
     name = element.get("name") or f"collision shape of {link}"
     if mesh is None:
         return Solid(kind, size, origin_of(element), corners_of(kind, size), name)
-    path = find_mesh(attribute(mesh, "filename"), urdf)
+    path = find_file(attribute(mesh, "filename"), urdf.parent)
     corners = corners_of_mesh(path) * _scale(mesh)
     require_solid(corners, str(path))
     return Solid(MESH, (), origin_of(element), corners, path.name)
@@ -150,7 +150,7 @@ def visual_of(element: ET.Element, urdf: Path) -> Visual:
     rgba = GREY if color is None or not color.get("rgba") else tuple(vector(color, "rgba", 4).tolist())
     if mesh is None:
         return Visual(kind, size, origin_of(element), rgba)
-    path = find_mesh(attribute(mesh, "filename"), urdf)
+    path = find_file(attribute(mesh, "filename"), urdf.parent)
     if path.suffix.lower() not in VISIBLE:
         raise InvalidInput(f"{path.name} is not one of {', '.join(VISIBLE)}")
     require_readable(path, MOST_BYTES)

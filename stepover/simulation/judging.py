@@ -146,7 +146,7 @@ def _contact(motion: Motion, series: Series, recording: Recording, end: int) -> 
         return None
     sample, links = recording.touched
     depth = 1e3 * float(np.nanmax(series.obstacle_depth[:end]))
-    cause = f"{' and '.join(links)} touches it, at most {depth:.1f} mm deep"
+    cause = f"{' and '.join(links)} touch{'es' * (len(links) == 1)} it, at most {depth:.1f} mm deep"
     return _sentence("hit the obstacle", motion, series, sample, cause)
 
 

@@ -36,6 +36,22 @@ def limits_at(robot: Robot, speed: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return -np.maximum(least, 0.0), np.maximum(most, 0.0)
 
 
+def fading(robot: Robot, torque: np.ndarray, speed: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The line on which a servo's torque fades near the speed limit, in the direction of torques (J,).
+
+    Args:
+        robot: with the limits.
+        torque: (J,) whose signs say which of the two lines [N m].
+        speed: (J,) [rad/s].
+
+    Returns:
+        Torque (J,) on the line [N m], and by how much it falls with the speed (J,) [N m s/rad].
+    """
+    limit, fade = robot.body.effort_limits, robot.servo.speed_fade
+    slope = limit / (fade * robot.body.speed_limits)
+    return np.sign(torque) * limit / fade - slope * speed, slope
+
+
 def within_limits(robot: Robot, torque: np.ndarray, speed: np.ndarray) -> np.ndarray:
     """Torques (J,) that limited servos can give at joint speeds (J,) [N m, rad/s]."""
     least, most = limits_at(robot, speed)

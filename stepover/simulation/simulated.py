@@ -27,6 +27,7 @@ from stepover.model.description.links import (
 )
 from stepover.model.robot import Robot
 from stepover.simulation.disturbances import Disturbances
+from stepover.simulation.engine import Scene
 from stepover.simulation.soles import BUSH, NEAR_SOLE
 
 AXES = {"LIFT": (0.0, 0.0, 1.0), "ROLL": (1.0, 0.0, 0.0), "PITCH": (0.0, 1.0, 0.0)}
@@ -70,6 +71,22 @@ def simulated_robot(robot: Robot, sole: str, disturbances: Disturbances) -> Simu
         description, depth = _softened(robot, description, foot)
         passive += [f"{foot}_{name}" for name in BUSH]
     return SimulatedRobot(description, tuple(passive), (left, right), depth)
+
+
+def require_mass(scene: Scene, mass: float, engine: str) -> None:
+    """Refuse a robot that weighs something else in an engine than in pinocchio.
+
+    Args:
+        scene: with the robot.
+        mass: in the engine [kg].
+        engine: its name, for the message.
+    """
+    expected = scene.robot.body.mass * (1.0 + scene.disturbances.chest_mass)
+    if abs(mass - expected) > 1e-6 * mass:
+        raise InvalidInput(
+            f"{scene.robot.urdf_path.name} weighs {mass:.3f} kg in {engine} and {expected:.3f} kg in pinocchio: "
+            "every link needs an <inertial> with a mass"
+        )
 
 
 def _foot(robot: Robot, leg: tuple[str, ...]) -> str:

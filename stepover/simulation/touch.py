@@ -26,6 +26,8 @@ class Touch(NamedTuple):
     obstacle: dict[str, float]
 
 
+FEET = np.array([[0], [1]])
+"""Left and right, as Contacts counts them."""
 NOTHING = Touch(np.zeros((2, 6)), np.zeros(6), set(), {})
 """Nothing touches the robot."""
 
@@ -38,17 +40,19 @@ def summed_up(contacts: Contacts, links: Sequence[str], steps: int) -> Touch:
         links: names that Contacts.link counts.
         steps: how many steps they are of.
     """
-    floor = contacts.touched == FLOOR
-    wrenches, foot = _wrenches(contacts.position[floor], contacts.force[floor]) / steps, contacts.foot[floor]
-    each = np.array([wrenches[foot == row].sum(axis=0) for row in range(2)])
-    others = {links[link] for link in contacts.link[floor][foot == NO_FOOT]}
-    depths: dict[str, float] = {}
-    for link, depth in zip(contacts.link[~floor].tolist(), contacts.depth[~floor].tolist(), strict=True):
-        depths[links[link]] = max(depth, depths.get(links[link], 0.0))
-    return Touch(each, wrenches.sum(axis=0), others, depths)
+    floor, depths = contacts.touched == FLOOR, dict[str, float]()
+    if not floor.all():
+        for link, depth in zip(contacts.link[~floor].tolist(), contacts.depth[~floor].tolist(), strict=True):
+            depths[links[link]] = max(depth, depths.get(links[link], 0.0))
+    wrenches = np.where(floor, _wrenches(contacts.position, contacts.force).T, 0.0).T / steps
+    others = {links[link] for link in contacts.link[floor & (contacts.foot == NO_FOOT)].tolist()}
+    return Touch((contacts.foot == FEET) @ wrenches, wrenches.sum(axis=0), others, depths)
 
 
 def _wrenches(place: np.ndarray, force: np.ndarray) -> np.ndarray:
     """Forces and moments (n, 6) about the world's origin of forces (n, 3) at places (n, 3)."""
     (px, py, pz), (fx, fy, fz) = place.T, force.T
-    return np.column_stack([force, py * fz - pz * fy, pz * fx - px * fz, px * fy - py * fx])
+    both = np.empty((len(force), 6))
+    both[:, :3] = force
+    both[:, 3], both[:, 4], both[:, 5] = py * fz - pz * fy, pz * fx - px * fz, px * fy - py * fx
+    return both

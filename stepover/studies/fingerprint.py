@@ -12,8 +12,8 @@ from typing import Any
 from xml.etree import ElementTree
 
 from stepover.locations import data_folder
+from stepover.robots.files import find_file
 from stepover.robots.loading import load_robot
-from stepover.robots.meshes import find_mesh
 
 PACKAGE = "stepover"
 FOLDER = Path(__file__).resolve().parents[1]
@@ -92,4 +92,4 @@ def robot_files(robot: str) -> list[Path]:
     toml = Path(robot) if Path(robot).suffix == ".toml" else data_folder() / robot / "robot.toml"
     urdf = load_robot(robot).urdf_path
     named = {mesh.get("filename", "") for mesh in ElementTree.parse(urdf).iterfind("link/collision/geometry/mesh")}
-    return [toml, urdf, *(find_mesh(name, urdf) for name in sorted(named))]
+    return [toml, urdf, *(find_file(name, urdf.parent) for name in sorted(named))]

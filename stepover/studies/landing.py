@@ -20,6 +20,7 @@ from stepover.analysis.landing.settings import BASES, VARIATIONS
 from stepover.analysis.landing.swings import NAIVE, SAME_APEX, SHAPED, landing_motion
 from stepover.model.obstacle import Obstacle
 from stepover.motion.motion import Motion
+from stepover.simulation.engine import DEFAULT
 from stepover.studies.agreement import NO, agreement
 from stepover.studies.study import Row, make_table, read_rows, robot_of, rounded, stored_table
 
@@ -101,9 +102,9 @@ def _motion(robot: str, profile: str, swing_time: float, height: float, width: f
     return landing_motion(robot_of(robot), Obstacle(height, width), profile, swing_time)
 
 
-def landing_of(point: Point) -> Landing:
-    """Simulate the landing of a point."""
-    return VARIATIONS[point.variation].land(robot_of(point.robot), point.motion)
+def landing_of(point: Point, engine: str = DEFAULT) -> Landing:
+    """Simulate the landing of a point in an engine; the stored table is PyBullet's."""
+    return VARIATIONS[point.variation].land(robot_of(point.robot), point.motion, engine)
 
 
 def row_of(point: Point, landing: Landing) -> Landed:

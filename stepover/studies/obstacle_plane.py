@@ -10,8 +10,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from stepover.errors import InvalidInput
+from stepover.simulation.engine import DEFAULT
 from stepover.studies.agreement import CLOSE, NO, agreement
-from stepover.studies.study import make_table, read_rows, stored_table
+from stepover.studies.study import ENGINE, make_table, read_rows, stored_table
 from stepover.studies.sweep import Crossing, Point, cross
 
 NAME = "obstacle_plane"
@@ -26,12 +27,12 @@ SAMPLE = ((0.10, 0.11), (0.20, 0.05), (0.25, 0.05))
 
 def grid(heights: Sequence[float] = HEIGHTS, widths: Sequence[float] = WIDTHS) -> list[Point]:
     """Points of a grid, ordered by height, then by width."""
-    return [Point(height, width) for height in heights for width in widths]
+    return [Point(height, width, engine=ENGINE) for height in heights for width in widths]
 
 
 def whole_plane() -> list[Point]:
     """Points of the stored table."""
-    return grid() + [Point(*corner) for corner in CORNERS]
+    return grid() + [Point(*corner, engine=ENGINE) for corner in CORNERS]
 
 
 def study(
@@ -66,7 +67,7 @@ def at(rows: Sequence[Crossing], height: float, width: float) -> Crossing:
 
 def again(stored: Crossing, physics: bool = True) -> tuple[Crossing, str]:
     """Plan and simulate a row of the table anew. Returns the new row and how it agrees with the stored one."""
-    new = Crossing(**cross(Point(stored.height, stored.width, stored.robot, physics)))
+    new = Crossing(**cross(Point(stored.height, stored.width, stored.robot, physics, engine=stored.engine or DEFAULT)))
     if new.motion != stored.motion or (physics and new.crossed != stored.crossed):
         return new, NO
     now, then = new.simulated_clearance, stored.simulated_clearance

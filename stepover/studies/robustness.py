@@ -19,11 +19,12 @@ from stepover.errors import InvalidInput
 from stepover.model.obstacle import Obstacle
 from stepover.motion.motion import Motion
 from stepover.planning.algorithm_1.planner import plan
+from stepover.simulation.engine import DEFAULT
 from stepover.simulation.run import simulate
 from stepover.studies.agreement import CLOSE, NO, agreement
 from stepover.studies.draws import RANGES, Draw, draw
 from stepover.studies.parallel import Row, computed
-from stepover.studies.study import make_table, read_rows, robot_of, rounded, stored_table
+from stepover.studies.study import ENGINE, make_table, read_rows, robot_of, rounded, stored_table
 
 NAME = "robustness"
 HEIGHT, WIDTH = 0.15, 0.05
@@ -42,6 +43,7 @@ class Point:
     sole: str
     robot: str
     motion: str
+    engine: str
 
 
 @dataclass(frozen=True)
@@ -57,6 +59,7 @@ class Outcome(Draw):
         reason: the failure in words.
         robot, version, motion: robot, version of stepover, and hash of the motion.
         state: hash of all states. Equal hashes mean the same simulation, to the bit.
+        engine: of the physics.
     """
 
     stabilizer: bool
@@ -71,6 +74,7 @@ class Outcome(Draw):
     version: str
     motion: str
     state: str
+    engine: str = DEFAULT
 
 
 def points(
@@ -80,10 +84,13 @@ def points(
     actuators: str = ACTUATORS,
     sole: str = SOLE,
     robot: str | None = None,
+    engine: str = ENGINE,
 ) -> list[Point]:
     """Simulations of a study: each draw without and with the stabilizer."""
     drawn, carried, robot = [draw(motion, seed, k) for k in range(runs)], motion.hash(), robot or motion.robot_name
-    return [Point(one, stabilizer, actuators, sole, robot, carried) for one in drawn for stabilizer in (False, True)]
+    return [
+        Point(one, stabilizer, actuators, sole, robot, carried, engine) for one in drawn for stabilizer in (False, True)
+    ]
 
 
 @dataclass(frozen=True)
@@ -97,7 +104,7 @@ class Trial:
         drawn = point.disturbed
         run = simulate(
             self.motion, actuators=point.actuators, sole=point.sole, stabilizer=point.stabilizer,
-            perturb=drawn.perturb, robot=robot_of(point.robot),
+            perturb=drawn.perturb, robot=robot_of(point.robot), engine=point.engine,
         )  # fmt: skip
         touched = np.flatnonzero(np.isfinite(run.series.obstacle_depth))[: run.obstacle_contacts][:1]
         times = [*run.series.time[touched].tolist(), *([run.fall_time] if run.fall_time is not None else [])]
@@ -106,13 +113,14 @@ class Trial:
             "success": run.crossed, "failure_time": rounded(min(times)) if times else None,
             "clearance": rounded(run.clearance_min, 6), "clearance_link": run.clearance_link,
             "reason": run.explanation, "robot": point.robot, "version": __version__, "motion": point.motion,
-            "state": run.state_hash,
+            "state": run.state_hash, "engine": point.engine,
         }  # fmt: skip
 
 
 def study(
     motion: Motion | None = None, runs: int = RUNS, seed: int = SEED, *, actuators: str = ACTUATORS, sole: str = SOLE,
-    robot: str | None = None, table: Path | None = None, build: Path | None = None, workers: int | None = None,
+    engine: str = ENGINE, robot: str | None = None, table: Path | None = None, build: Path | None = None,
+    workers: int | None = None,
 ) -> Path:  # fmt: skip
     """Run or resume a study and write its table; default: the stored table of the repository.
 
@@ -122,6 +130,7 @@ def study(
         seed: seed of the draws.
         actuators: as for simulate.
         sole: as for simulate.
+        engine: of the physics.
         robot: name of the robot, or the path of its robot.toml; default: the one named in the motion.
         table: path of the table; default: in figures/.
         build: folder of the part file; default: build/.
@@ -134,8 +143,8 @@ def study(
     robot = robot or motion.robot_name
     if list(motion.joint_names) != robot_of(robot).body.joint_names:
         raise InvalidInput(f"the motion's joints are not those of {robot!r}")
-    work, name = points(motion, runs, seed, actuators, sole, robot), table.stem if table else NAME
-    more = RANGES, motion.hash(), seed, actuators, sole
+    work, name = points(motion, runs, seed, actuators, sole, robot, engine), table.stem if table else NAME
+    more = RANGES, motion.hash(), seed, actuators, sole, engine
     return make_table(name, work, Trial(motion), Outcome, table, build, workers, more)
 
 
@@ -171,9 +180,10 @@ def again(stored: Sequence[Outcome], motion: Motion, workers: int | None = None)
         motion: the motion of the table.
         workers: number of processes; default: one for each core.
     """
+    at, carried = [draw(motion, row.seed, row.draw) for row in stored], (motion.robot, motion.hash())
     of = [
-        Point(draw(motion, row.seed, row.draw), row.stabilizer, row.actuators, row.sole, motion.robot, motion.hash())
-        for row in stored
+        Point(one, row.stabilizer, row.actuators, row.sole, *carried, row.engine)
+        for one, row in zip(at, stored, strict=True)
     ]
     found = {point: Outcome(**row) for point, row in computed(of, Trial(motion), workers)}
     new = [found[point] for point in of]

@@ -25,12 +25,14 @@ from tqdm import tqdm
 from stepover.errors import InvalidInput
 from stepover.locations import checkout
 from stepover.model.robot import Robot
-from stepover.output import write_whole
+from stepover.output import alone, write_whole
 from stepover.robots.loading import load_robot
 from stepover.studies.fingerprint import fingerprint
 from stepover.studies.parallel import Row, Work, computed
 
 Kind = TypeVar("Kind")
+ENGINE = "mujoco"
+"""The engine of the stored tables of many simulations: the faster one. two_engines.py repeats samples in the other."""
 
 
 def make_table(
@@ -54,6 +56,9 @@ def make_table(
 
     Returns:
         Path of the table.
+
+    Raises:
+        InvalidInput: another run is making this table, or the part file is damaged.
     """
     table, build = table or stored_table(name), build or checkout() / "build"
     made_by = fingerprint(work, points[0].robot, *more)
@@ -61,12 +66,21 @@ def make_table(
     if stamped and stamp.is_file() and stamp.read_text() == _stamp(made_by, points, table):
         return table
     part = build / f"{name}-{made_by}.part"
-    rows = run_study(points, work, part, workers=workers, name=name)
-    write_rows([kind(**row) for row in rows], table)
-    part.unlink()
+    with alone(build / f".{name}.lock", f"{table} is being made"):
+        rows = run_study(points, work, part, workers=workers, name=name)
+        write_rows(_as_rows(rows, kind, part), table)
+        part.unlink()
     if stamped:
         stamp.write_text(_stamp(made_by, points, table))
     return table
+
+
+def _as_rows(rows: Sequence[Row], kind: type[Any], part: Path) -> list[Any]:
+    """Rows as dataclasses. Raises InvalidInput where a part file holds a row of another kind."""
+    try:
+        return [kind(**row) for row in rows]
+    except TypeError as error:
+        raise InvalidInput(f"{part} is damaged: {error}; delete it to begin anew") from error
 
 
 def _stamp(made_by: str, points: Sequence[Any], table: Path) -> str:

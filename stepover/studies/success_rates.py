@@ -143,7 +143,7 @@ def study_to_json(rows: Sequence[Outcome]) -> dict[str, Any]:
                         "clearance_min": min(row.clearance for row in some)}  # fmt: skip
     return {
         "robot": first.robot, "motion": first.motion, "actuators": first.actuators, "sole": first.sole,
-        "seed": first.seed, "runs": result["with_stabilizer"]["runs"], **result,
+        "engine": first.engine, "seed": first.seed, "runs": result["with_stabilizer"]["runs"], **result,
     }  # fmt: skip
 
 
@@ -151,7 +151,7 @@ def study_summary(rows: Sequence[Outcome]) -> list[tuple[str, str]]:
     """The summary that `study` prints, as names and values."""
     first = rows[0]
     return [
-        ("set-up", f"{first.actuators} actuators, {first.sole} soles"),
+        ("set-up", f"{first.actuators} actuators, {first.sole} soles, engine {first.engine}"),
         ("motion", f"{first.motion[:12]}, seed {first.seed}"),
         *((name, f"crossed {rate(equipped(rows, stabilizer))}") for stabilizer, name in EQUIPPED.items()),
     ]

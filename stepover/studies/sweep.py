@@ -23,6 +23,7 @@ from stepover.planning.algorithm_1.plan import Plan
 from stepover.planning.algorithm_1.planner import plan_in_detail
 from stepover.planning.checks import measure
 from stepover.planning.planner import find_planner
+from stepover.simulation.engine import DEFAULT
 from stepover.studies.study import Row, make_table, read_rows, robot_of, rounded
 
 
@@ -37,6 +38,7 @@ class Point:
         margin_height, margin_width: safety margins [m].
         arms, speed_limits: as for plan.
         planner: name of the planner, as in planning.planner.
+        engine: of the physics.
     """
 
     height: float
@@ -48,6 +50,7 @@ class Point:
     arms: str = "auto"
     speed_limits: str = "ignore"
     planner: str = "paper"
+    engine: str = DEFAULT
 
     @property
     def obstacle(self) -> Obstacle:
@@ -72,6 +75,7 @@ class Crossing:
         zmp_margin: smallest distance of the ZMP from the edge of the support polygon [m].
         joint_speed_ratio: largest joint speed over its limit.
         motion: hash of the motion.
+        engine: of the physics; None if nothing was simulated.
         crossed: whether the simulated robot crossed.
         simulated_clearance: smallest distance in the physics [m].
         reason: why there is no plan, or why the robot did not cross.
@@ -99,6 +103,7 @@ class Crossing:
     zmp_margin: float | None = None
     joint_speed_ratio: float | None = None
     motion: str | None = None
+    engine: str | None = None
     crossed: bool | None = None
     simulated_clearance: float | None = None
     reason: str = ""
@@ -125,12 +130,13 @@ def cross(point: Point) -> Row:
         return dataclasses.asdict(dataclasses.replace(row, reason=error.constraint))
     row = _planned(row, robot, motion)
     if point.physics:
-        from stepover.simulation.run import simulate  # imported here, since planning alone needs no PyBullet
+        from stepover.simulation.run import simulate  # imported here, since planning alone needs no physics
 
-        run = simulate(motion, robot=robot)
+        run = simulate(motion, robot=robot, engine=point.engine)
         row = dataclasses.replace(
-            row, crossed=run.crossed, simulated_clearance=rounded(run.clearance_min), reason=run.explanation
-        )
+            row, engine=point.engine, crossed=run.crossed, simulated_clearance=rounded(run.clearance_min),
+            reason=run.explanation,
+        )  # fmt: skip
     return dataclasses.asdict(row)
 
 
@@ -182,7 +188,8 @@ def summary(rows: Sequence[Crossing]) -> dict[str, Any]:
     first = rows[0]
     return {
         "robot": first.robot, "margin_height": first.margin_height, "margin_width": first.margin_width,
-        "arms": first.arms, "speed_limits": first.speed_limits, "obstacles": len(rows), "planned": len(planned),
+        "arms": first.arms, "speed_limits": first.speed_limits,
+        "engine": simulated[0].engine if simulated else None, "obstacles": len(rows), "planned": len(planned),
         "refused": len(rows) - len(planned), "simulated": len(simulated),
         "crossed": sum(bool(row.crossed) for row in simulated) if simulated else None,
         "highest_planned": max((row.height for row in planned), default=None),
@@ -213,7 +220,7 @@ def summary_lines(result: dict[str, Any]) -> list[tuple[str, str]]:
         ]
     if result["simulated"]:
         lines += [
-            ("crossed in the physics", f"{result['crossed']} of {result['simulated']}"),
+            ("crossed in the physics", f"{result['crossed']} of {result['simulated']}, engine {result['engine']}"),
             ("clearance in the physics", f"{1e3 * result['simulated_clearance_min']:.1f} mm at least"),
         ]
     return lines

@@ -19,9 +19,10 @@ from stepover import __version__
 from stepover.errors import Infeasible
 from stepover.model.obstacle import Obstacle
 from stepover.planning.algorithm_1.planner import plan_in_detail
+from stepover.simulation.engine import DEFAULT
 from stepover.simulation.measurements import Run
 from stepover.simulation.run import simulate
-from stepover.studies.study import Row, make_table, read_rows, robot_of, rounded, stored_table
+from stepover.studies.study import ENGINE, Row, make_table, read_rows, robot_of, rounded, stored_table
 
 NAME = "trials"
 HEIGHT, WIDTH = 0.15, 0.05
@@ -66,6 +67,7 @@ class Trial:
         sole, stabilizer: as for simulate.
         speed_limits: as for plan.
         robot: name of the robot.
+        engine: of the physics.
     """
 
     name: str
@@ -75,6 +77,7 @@ class Trial:
     stabilizer: bool = True
     speed_limits: str = "ignore"
     robot: str = "hrp2"
+    engine: str = ENGINE
 
     @property
     def perturb(self) -> dict[str, float]:
@@ -100,6 +103,7 @@ class Outcome:
         speed_ratio, speed_joint, speed_time: the same for the speeds.
         reason: why there is no plan, or why the robot did not cross.
         state: hash of all recorded states.
+        engine: of the physics.
     """
 
     robot: str
@@ -125,6 +129,7 @@ class Outcome:
     speed_time: float | None = None
     reason: str = ""
     state: str | None = None
+    engine: str = DEFAULT
 
 
 def trials() -> list[Trial]:
@@ -145,7 +150,7 @@ def carry_out(trial: Trial) -> Row:
     robot = robot_of(trial.robot)
     row = Outcome(
         robot.name, __version__, trial.name, trial.height, trial.width, trial.sole, trial.stabilizer,
-        trial.speed_limits, json.dumps(trial.perturb),
+        trial.speed_limits, json.dumps(trial.perturb), engine=trial.engine,
     )  # fmt: skip
     obstacle = Obstacle(trial.height, trial.width)
     try:
@@ -154,7 +159,7 @@ def carry_out(trial: Trial) -> Row:
         return dataclasses.asdict(dataclasses.replace(row, reason=error.constraint))
     run = simulate(
         found.motion, actuators="limited", sole=trial.sole, stabilizer=trial.stabilizer, perturb=trial.perturb,
-        robot=robot,
+        robot=robot, engine=trial.engine,
     )  # fmt: skip
     return dataclasses.asdict(judged(row, run))
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from stepover.analysis.landing.force import Landing, land
 from stepover.model.robot import Robot
 from stepover.motion.motion import Motion
+from stepover.simulation.engine import DEFAULT
 
 
 @dataclass(frozen=True)
@@ -49,11 +50,11 @@ class Setting:
             simulation=dataclasses.replace(physics, time_step=physics.time_step * self.time_step),
         )  # fmt: skip
 
-    def land(self, robot: Robot, motion: Motion) -> Landing:
-        """Simulate the landing of a motion with this setting."""
+    def land(self, robot: Robot, motion: Motion, engine: str = DEFAULT) -> Landing:
+        """Simulate the landing of a motion with this setting, in an engine."""
         perturb = {"ground_leg_1": self.ground} if self.ground else {}
         return land(self.of(robot), motion, limited=self.limited, sole=self.sole, stabilizer=self.stabilizer,
-                    control=self.control, perturb=perturb)  # fmt: skip
+                    control=self.control, perturb=perturb, engine=engine)  # fmt: skip
 
     @property
     def assumptions(self) -> int:

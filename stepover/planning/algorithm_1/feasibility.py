@@ -93,7 +93,7 @@ def key_configurations(robot: Robot, obstacle: Obstacle, leading: int = -1) -> l
     if shortest > search.step_length_max:
         raise Infeasible(
             f"no key configuration: {obstacle.width:.3f} m of width need a step of {shortest:.3f} m "
-            f"from toe to heel, the longest is {search.step_length_max:.3f} m"
+            f"from ankle to ankle, the longest is {search.step_length_max:.3f} m"
         )
     all_steps = np.arange(shortest, search.step_length_max + 1e-9, search.step_length_step)
     yaw = -leading * np.radians(search.waist_yaw_deg)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import time
 from collections.abc import Callable
-from typing import Any
+from functools import partial
 
 import numpy as np
 
@@ -22,7 +22,7 @@ from stepover.planning.algorithm_1.feasibility import KeyConfiguration, key_conf
 from stepover.planning.algorithm_1.feet_adaptor import adapt_feet
 from stepover.planning.algorithm_1.feet_trajectories import feet_trajectories
 from stepover.planning.algorithm_1.plan import Nominal, Options, Plan
-from stepover.planning.algorithm_1.search import first_plan, options_in_order
+from stepover.planning.algorithm_1.search import first_plan, options_in_order, plannable
 from stepover.planning.algorithm_1.shift_and_raise import raise_waist
 from stepover.planning.algorithm_1.step_sequence import Crossing, StepSequence, step_sequence
 from stepover.planning.algorithm_1.upper_body import moved, upper_body
@@ -33,6 +33,8 @@ from stepover.planning.trajectories import WaistAndFeet
 
 ARMS = ("auto", "on", "off")
 SPEED_LIMITS = ("ignore", "respect")
+SEARCH = 150
+"""Attempts that the search for the nearest obstacle may make: about 6 s. Most searches make 30."""
 
 
 def plan(
@@ -87,22 +89,35 @@ def plan_in_detail(
         raise InvalidInput(f"extras = {extras!r} must be True or False")
     start = time.perf_counter()
     mover = robot.slowed if speed_limits == "respect" else robot
+    options = options_in_order(mover, arms, extras, speed_limits)
 
-    def attempt(key: KeyConfiguration, options: Options) -> Plan:
+    def attempt(obstacle: Obstacle, key: KeyConfiguration, options: Options) -> Plan:
         found = algorithm_1(mover, obstacle, key, options)
         if speed_limits == "respect":
             require_speeds(mover, found.motion)
         return found
 
+    left = iter(range(SEARCH))
+
+    def search_attempt(other: Obstacle, key: KeyConfiguration, options: Options) -> Plan:
+        if next(left, None) is None:
+            raise Infeasible("the search for the nearest obstacle ends", walking=True)
+        return attempt(other, key, options)
+
+    def crossable(other: Obstacle) -> bool:
+        try:
+            return plannable(mover, key_configurations(mover, other), options, partial(search_attempt, other))
+        except Infeasible:
+            return False
+
     try:
         keys = key_configurations(mover, obstacle)  # 1: FU
         feasibility_time = time.perf_counter() - start
-        found = first_plan(mover, keys, options_in_order(mover, arms, extras, speed_limits), attempt)
+        found = first_plan(mover, keys, options, partial(attempt, obstacle))
     except Infeasible as error:
         error.forget_frames()
-        if error.nearest is None and look_for_nearest:
-            same: dict[str, Any] = {"arms": arms, "speed_limits": speed_limits, "extras": extras}
-            error.nearest = nearest_crossable(obstacle, lambda other: _crossable(robot, other, same), progress)
+        if error.nearest is None and look_for_nearest and not error.walking:
+            error.nearest = nearest_crossable(obstacle, crossable, progress)
         raise
     total = time.perf_counter() - start
     times = {"feasibility": feasibility_time, "trajectories": total - feasibility_time, "total": total}
@@ -207,15 +222,6 @@ def whole_body(robot: Robot, poses: WaistAndFeet, upper: np.ndarray, time: np.nd
         leg = robot.leg(side)
         q[:, leg.columns] = leg.inverse(poses.waist, poses.feet.foot(side), time)
     return q
-
-
-def _crossable(robot: Robot, obstacle: Obstacle, options: dict[str, Any]) -> bool:
-    """Whether the obstacle can be planned."""
-    try:
-        plan_in_detail(robot, obstacle, **options, look_for_nearest=False)
-    except Infeasible:
-        return False
-    return True
 
 
 def _footsteps(sequence: StepSequence) -> Footsteps:

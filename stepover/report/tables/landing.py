@@ -117,21 +117,25 @@ def controlled(rows: Sequence[Landed]) -> Table:
 
 
 def measured(
-    robot: Robot, rows: Sequence[Landed], anew: Mapping[Point, Landing], profiles: Sequence[Profile], curves: Curves
-) -> list[tuple[str, float, str]]:
-    """The claims of II-C and III-B: id, measured value, and what the value depends on.
+    robot: Robot,
+    rows: Sequence[Landed],
+    anew: Mapping[str, Mapping[Point, Landing]],
+    profiles: Sequence[Profile],
+    curves: Curves,
+) -> list[tuple[str, float | dict[str, float], str]]:
+    """The claims of II-C and III-B: id, measured value, in each engine for a force, and what the value depends on.
 
     Args:
         robot: gives the weight.
         rows: rows of the stored table; they show what a value depends on.
-        anew: landings simulated anew. They include both swings with the same swing time on the published rubber.
+        anew: landings simulated anew, by engine. They include both swings with the same swing time on the published
+            rubber.
         profiles: shaped and naive swing with the same swing time.
         curves: curves through the control points of leg 1.
     """
     weight = robot.body.mass * GRAVITY
-    peaks = {point.profile: one.peak for point, one in anew.items() if point.variation == BASES[0]
-             and point.swing_time == LONG}  # fmt: skip
-    naive, shaped = peaks[NAIVE], peaks[SHAPED]
+    naive, shaped = ({engine: _peak(some, profile) for engine, some in anew.items()} for profile in (NAIVE, SHAPED))
+    ratio, own = {engine: shaped[engine] / naive[engine] for engine in anew}, next(iter(shaped.values()))
     down = [f"{profile.speed_near_floor():.2f}" for profile in profiles]
     fitted = pair(rows, FITTED, SHORT)
     early, rigid = pair(rows, BASES[0], value="touch_down"), pair(rows, BASES[1])
@@ -139,15 +143,23 @@ def measured(
     same = f"in equal time both swings descend alike, {down[0]} and {down[1]} m/s at {1e3 * NEAR_FLOOR:.0f} mm"
     return [
         ("impact-naive", naive, f"{same}; a swing in {SHORT:g} s and a fitted rubber give {_force(fitted[0])} N"),
-        ("impact-shaped", shaped, f"the body sways onto lightly damped rubber, {shaped / weight:.2f} times its weight "
+        ("impact-shaped", shaped, f"the body sways onto lightly damped rubber, {own / weight:.2f} times its weight "
                                   f"with either swing; touch-down alone {_force(early[1])} N; fitted rubber "
                                   f"{_force(fitted[1])} N"),
-        ("impact-ratio", shaped / naive, f"touch-down alone {early[1] / early[0]:.2f}; rigid soles "
+        ("impact-ratio", ratio, f"touch-down alone {early[1] / early[0]:.2f}; rigid soles "
                                          f"{rigid[1] / rigid[0]:.2f}, fitted rubber and a faster naive swing "
                                          f"{fitted[1] / fitted[0]:.2f}"),
         ("spline-vs-polynomial", over[0] / over[1], f"furthest outside the range of the same control points: "
                                                     f"{over[0]:.2g} mm against {over[1]:.1f} mm"),
     ]  # fmt: skip
+
+
+def _peak(landings: Mapping[Point, Landing], profile: str) -> float:
+    """Peak of a swing in the long time on the published rubber [N]."""
+    return next(
+        one.peak for point, one in landings.items()
+        if (point.variation, point.profile, point.swing_time) == (BASES[0], profile, LONG)
+    )  # fmt: skip
 
 
 def _force(force: float | None) -> str:

@@ -15,17 +15,24 @@ from stepover.extras import needs
 from stepover.model.collision import hull_of
 from stepover.model.description.links import BOX, CYLINDER, MESH, PRISMATIC, Hinge, Link, Place, Solid
 from stepover.model.obstacle import LATERAL_HALF_EXTENT
+from stepover.model.parameters.physics import Simulation
 from stepover.simulation.engine import NO_FOOT, Scene
-from stepover.simulation.mujoco.contact import CONTACT
 from stepover.simulation.simulated import SimulatedRobot
 
 with needs("simulate"):
     import mujoco
+mujoco.set_mju_user_warning(lambda text: None)  # it would write a file; World looks at the count instead
 
 FOOT_BITS, OTHER_BIT = (1, 2), 4
 """What the left foot, the right foot and every other link are to the floors."""
 FLOORS = ("left floor", "right floor", "floor")
 """Names of the floors under the left foot, the right foot and every other link."""
+IMPEDANCE = 0.95, 0.99, 0.001, 0.5, 2.0
+"""How much of its penetration a contact resists at first touch and beyond a depth, that depth [m], midpoint, power."""
+DAMPED = 1.0
+"""Damping ratio of contacts: they neither bounce nor creep."""
+ITERATIONS, TOLERANCE = 100, 1e-10
+"""Most iterations of the solver, which needs 1 to 5, and when it has converged. More changes nothing."""
 NOT_LIMITED = mujoco.mjtLimited.mjLIMITED_FALSE
 
 
@@ -34,11 +41,12 @@ def model_of(scene: Scene, robot: SimulatedRobot) -> mujoco.MjModel:
     spec = mujoco.MjSpec()
     spec.compiler.degree = False
     option = spec.option
-    option.timestep, option.gravity = scene.robot.simulation.time_step, scene.disturbances.gravity
+    parameters = scene.robot.simulation
+    option.timestep, option.gravity = parameters.time_step, scene.disturbances.gravity
     option.integrator, option.solver = mujoco.mjtIntegrator.mjINT_EULER, mujoco.mjtSolver.mjSOL_NEWTON
-    option.cone, option.impratio = mujoco.mjtCone.mjCONE_ELLIPTIC, CONTACT.friction_stiffness
-    option.iterations, option.tolerance = CONTACT.iterations, CONTACT.tolerance
-    _add_robot(spec, robot, scene.disturbances.friction or scene.robot.simulation.friction)
+    option.cone, option.impratio = mujoco.mjtCone.mjCONE_ELLIPTIC, parameters.friction_stiffness
+    option.iterations, option.tolerance = ITERATIONS, TOLERANCE
+    _add_robot(spec, robot, _surface(parameters, scene.disturbances.friction))
     _add_surroundings(spec, scene)
     for joint in (*scene.robot.body.joint_names, *robot.passive):
         motor = spec.add_actuator(name=joint, target=joint, trntype=mujoco.mjtTrn.mjTRN_JOINT)
@@ -67,7 +75,14 @@ def _add_surroundings(spec: mujoco.MjSpec, scene: Scene) -> None:
         spec.worldbody.add_geom(**beam, pos=(front + half[0], 0.0, half[2]), contype=0, conaffinity=sum(bits), condim=3)
 
 
-def _add_robot(spec: mujoco.MjSpec, robot: SimulatedRobot, friction: float) -> None:
+def _surface(parameters: Simulation, friction: float | None) -> dict[str, Any]:
+    """How the robot's shapes touch others; friction replaces the robot's own, if it is given."""
+    slide = friction or parameters.friction
+    settling = parameters.contact_time, DAMPED
+    return {"friction": (slide, 0.0, 0.0), "priority": 1, "condim": 3, "solref": settling, "solimp": IMPEDANCE}
+
+
+def _add_robot(spec: mujoco.MjSpec, robot: SimulatedRobot, surface: dict[str, Any]) -> None:
     """Bodies, joints and shapes, from the root outwards."""
     links, left = robot.description.link_by_name, list(robot.description.joints)
     root = robot.description.links[0]
@@ -80,8 +95,7 @@ def _add_robot(spec: mujoco.MjSpec, robot: SimulatedRobot, friction: float) -> N
         foot = foot_of(robot, name)
         bit = OTHER_BIT if foot == NO_FOOT else FOOT_BITS[foot]
         for number, solid in enumerate(links[name].solids):
-            how = {"name": f"{name} {number}", "contype": bit, "friction": (friction, 0.0, 0.0)}
-            _add_shape(spec, body, solid, how)
+            _add_shape(spec, body, solid, {"name": f"{name} {number}", "contype": bit, **surface})
 
 
 def _add_link(parent: mujoco.MjsBody, link: Link, joint: Hinge | None) -> mujoco.MjsBody:
@@ -101,14 +115,7 @@ def _add_link(parent: mujoco.MjsBody, link: Link, joint: Hinge | None) -> mujoco
 
 def _add_shape(spec: mujoco.MjSpec, body: mujoco.MjsBody, solid: Solid, how: dict[str, Any]) -> None:
     """A shape of a link; its mass is the link's already."""
-    how |= {
-        "pos": solid.place.translation,
-        "quat": _quaternion(solid.place),
-        "conaffinity": 0,
-        "condim": 3,
-        "mass": 0.0,
-    }
-    how |= {"priority": 1, "solref": CONTACT.solref, "solimp": CONTACT.solimp}
+    how |= {"pos": solid.place.translation, "quat": _quaternion(solid.place), "conaffinity": 0, "mass": 0.0}
     if solid.kind == MESH:
         corners, faces = hull_of(solid.corners)
         spec.add_mesh(name=how["name"], uservert=corners.ravel(), userface=faces.ravel())

@@ -16,11 +16,13 @@ from typing import Any, Self
 
 import numpy as np
 
+from stepover.errors import StepOverError
 from stepover.model.gravity import GRAVITY
-from stepover.simulation.engine import FLOOR, NO_CONTACTS, Contacts, Scene
+from stepover.simulation.engine import Contacts, Scene
 from stepover.simulation.mujoco.model import FLOORS, foot_of, model_of, mujoco
+from stepover.simulation.mujoco.touching import Touching
 from stepover.simulation.servos import springs, within_limits
-from stepover.simulation.simulated import SimulatedRobot, simulated_robot
+from stepover.simulation.simulated import SimulatedRobot, require_mass, simulated_robot
 from stepover.simulation.soles import BUSH
 
 STIFFER = 200.0
@@ -34,12 +36,13 @@ class World:
         """Build the world.
 
         Raises:
-            InvalidInput: the robot has no sole for rubber.
+            InvalidInput: the robot weighs something else than its multi-body model, or has no sole for rubber.
         """
         self.scene, robot = scene, scene.robot
         simulated = simulated_robot(robot, scene.sole, scene.disturbances)
         self.bush_depth = simulated.bush_depth
         self._model = model_of(scene, simulated)
+        require_mass(scene, float(self._model.body_mass.sum()), "MuJoCo")
         self._data = mujoco.MjData(self._model)
         self._limited, count = scene.actuators == "limited", len(robot.body.joint_names)
         named = [self._model.joint(joint) for joint in (*robot.body.joint_names, *simulated.passive)]
@@ -48,10 +51,11 @@ class World:
         self._stiffness, self._damping = springs(robot, len(simulated.passive) // len(BUSH), stiffer)
         self._dt = robot.simulation.time_step
         self._model.dof_armature[self._speed] = self._dt * (self._damping + self._dt * self._stiffness)
-        self._limits = robot.body.effort_limits if self._limited else np.full(count, np.inf)
+        self._limits = robot.body.effort_limits
+        self._calm = (1.0 - robot.servo.speed_fade) * robot.body.speed_limits
         self._goal, self._goal_speed = np.zeros((2, len(named)))
-        self._contacts: list[Contacts] = []
-        self._steps = 0
+        self._touching = Touching(self._model, simulated, len(scene.obstacles))
+        self._placed, self._pushed = False, False
         self.torque, self.saturated = np.zeros(count), np.zeros(count, dtype=bool)
         self._name_parts(simulated)
 
@@ -73,7 +77,8 @@ class World:
             data.qpos[self._angle[count :: len(BUSH)]] = sunk
         mujoco.mj_forward(self._model, data)
         self.torque, self.saturated = np.zeros(count), np.zeros(count, dtype=bool)
-        self._contacts, self._steps = [], 0
+        self._touching.forget()
+        self._placed = True
 
     def command(self, start: np.ndarray, end: np.ndarray, speed: np.ndarray) -> None:
         """Tell the motors how the joints shall move in the next step: angles (J,) at its ends [rad], speed [rad/s]."""
@@ -83,14 +88,22 @@ class World:
         torque = self._stiffness * (self._goal - angles - self._dt * speeds)
         torque += self._damping * (self._goal_speed - speeds)
         if self._limited:
-            torque[:count] = within_limits(self.scene.robot, torque[:count], speeds[:count])
+            torque[:count] = self._within_limits(torque[:count], speeds[:count])
         data.ctrl[:] = torque
         self.torque = torque[:count]
-        self.saturated = np.abs(self.torque) >= self._limits
+        if self._limited:
+            self.saturated = np.abs(self.torque) >= self._limits
+
+    def _within_limits(self, torque: np.ndarray, speeds: np.ndarray) -> np.ndarray:
+        """Torques (J,) that limited servos can give; below the speeds at which they fade, that is quickly said."""
+        if (np.abs(speeds) < self._calm).all():
+            return np.asarray(np.minimum(np.maximum(torque, -self._limits), self._limits))
+        return within_limits(self.scene.robot, torque, speeds)
 
     def push(self, force: np.ndarray) -> None:
         """Push the root link at its centre of mass during the next step: force (3,) in the world's axes [N]."""
         self._data.xfrc_applied[1, :3] = force
+        self._pushed = True
 
     def step(self) -> None:
         """Let one time step pass."""
@@ -98,18 +111,20 @@ class World:
         if not self._limited:
             moved = self._speed[: len(self.torque)]
             self.torque = self.torque - self._model.dof_armature[moved] * self._data.qacc[moved]
-        self._data.xfrc_applied[1] = 0.0
-        self._contacts.append(self._contacts_of_step())
-        self._steps += 1
-        mujoco.mj_kinematics(self._model, self._data)
+        if self._pushed:
+            self._data.xfrc_applied[1], self._pushed = 0.0, False
+        self._touching.note(self._data)
+        self._placed = False
 
     def contacts(self) -> Contacts:
-        """The contact points of all steps since the last call, or since the reset."""
-        parts, self._contacts, self._steps = self._contacts, [], 0
-        if not parts:
-            return NO_CONTACTS
-        names = ("step", "link", "foot", "touched", "position", "force", "depth")
-        return Contacts(*(np.concatenate([getattr(part, name) for part in parts]) for name in names))
+        """The contact points of all steps since the last call, or since the reset.
+
+        Raises:
+            StepOverError: the simulation is unstable.
+        """
+        if self._data.warning.number.any():
+            raise StepOverError("MuJoCo cannot integrate this: its states are no numbers; take a smaller time step")
+        return self._touching.contacts()
 
     def base_pose(self) -> np.ndarray:
         """Pose (7,) of the root link: place [m], unit quaternion x y z w."""
@@ -126,6 +141,9 @@ class World:
 
     def ankle(self, foot: int) -> tuple[np.ndarray, np.ndarray]:
         """Place (3,) [m] and axes (3, 3), as columns, of the frame of a leg's last joint: 0 left, 1 right."""
+        if not self._placed:
+            mujoco.mj_kinematics(self._model, self._data)
+            self._placed = True
         body = self._ankles[foot]
         return self._data.xpos[body].copy(), self._data.xmat[body].reshape(3, 3).copy()
 
@@ -138,35 +156,13 @@ class World:
         self._data.mocap_pos[self._floors[foot], 2] = height
 
     def _name_parts(self, simulated: SimulatedRobot) -> None:
-        """Links, feet, floors and obstacles by MuJoCo's numbers of bodies and shapes."""
+        """Links, ankles and floors by MuJoCo's numbers of bodies."""
         model = self._model
         bodies = [model.body(1 + k).name for k in range(len(simulated.description.links))]
         feet = [foot_of(simulated, name) for name in bodies]
         self.links = tuple(simulated.feet[foot] if foot >= 0 else name for name, foot in zip(bodies, feet, strict=True))
         self._ankles = [1 + bodies.index(name) for name in simulated.feet]
         self._floors = [int(model.body(name).mocapid[0]) for name in FLOORS]
-        self._link_of = np.where(model.geom_bodyid <= len(bodies), model.geom_bodyid - 1, -1)
-        self._foot_of = np.array(feet)[self._link_of]
-        self._touched_of = np.full(model.ngeom, FLOOR)
-        for number in range(len(self.scene.obstacles)):
-            self._touched_of[model.geom(f"obstacle {number}").id] = number
-
-    def _contacts_of_step(self) -> Contacts:
-        """The points that bore on the floor, or touched an obstacle, in the last step."""
-        contact = self._data.contact
-        active = contact.efc_address >= 0
-        if not active.any():
-            return NO_CONTACTS
-        first, second = contact.geom[active].T
-        local = self._data.efc_force[contact.efc_address[active][:, None] + np.arange(3)]
-        force = np.einsum("ni,nij->nj", local, contact.frame[active].reshape(-1, 3, 3))  # on the second shape
-        robot_first = self._link_of[first] >= 0
-        own, other = np.where(robot_first, [first, second], [second, first])
-        force = np.where(robot_first[:, None], -force, force)
-        touched, depth = self._touched_of[other], np.maximum(-contact.dist[active], 0.0)
-        kept = np.where(touched == FLOOR, force[:, 2] > 0.0, contact.dist[active] <= 0.0)
-        parts = (self._link_of[own], self._foot_of[own], touched, contact.pos[active], force, depth)
-        return Contacts(np.full(int(kept.sum()), self._steps), *(part[kept] for part in parts))
 
 
 def _place_of(joint: Any) -> int:

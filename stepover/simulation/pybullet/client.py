@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import ctypes
 import os
-import sys
 import tempfile
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -18,24 +18,34 @@ from stepover.model.description.links import MESH, Description
 from stepover.model.description.urdf_text import numbers, urdf_text
 from stepover.model.pose import Rotation
 
+LIBC = ctypes.CDLL(None)
+QUIET = threading.Lock()
+"""Held while C code is silenced: two threads that put its streams back must not mix up whose they are."""
+
 
 @contextmanager
 def silenced() -> Iterator[None]:
-    """Let C code print to nowhere: stdout and stderr at the file descriptors."""
-    sys.stdout.flush()
-    sys.stderr.flush()
-    kept = [os.dup(1), os.dup(2)]
-    nowhere = os.open(os.devnull, os.O_WRONLY)
-    try:
-        os.dup2(nowhere, 1)
-        os.dup2(nowhere, 2)
+    """Let C code print to nowhere: its `stdout` and `stderr` point to another file for a while.
+
+    The process's descriptors stay as they are, so that other threads of Python print as ever. GNU's C library alone
+    lets its streams be replaced; with another one PyBullet's notes are seen.
+    """
+    if not hasattr(LIBC, "gnu_get_libc_version"):
         yield
-    finally:
-        ctypes.CDLL(None).fflush(None)
-        os.dup2(kept[0], 1)
-        os.dup2(kept[1], 2)
-        for descriptor in (nowhere, *kept):
-            os.close(descriptor)
+        return
+    LIBC.fopen.restype = ctypes.c_void_p
+    with QUIET:
+        streams = [ctypes.c_void_p.in_dll(LIBC, name) for name in ("stdout", "stderr")]
+        kept = [stream.value for stream in streams]
+        nowhere = LIBC.fopen(os.devnull.encode(), b"w")
+        try:
+            for stream in streams:
+                stream.value = nowhere
+            yield
+        finally:
+            for stream, value in zip(streams, kept, strict=True):
+                stream.value = value
+            LIBC.fclose(ctypes.c_void_p(nowhere))
 
 
 with needs("simulate"), silenced():

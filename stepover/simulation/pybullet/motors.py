@@ -3,8 +3,9 @@
 Servos and rubber are springs with dampers, and stiff ones on light links: the damping of an ankle servo turns the
 velocity of a free foot around within one step of 1 ms, so that explicit torques would shake it. A real joint has the
 inertia of its rotor on top, which is not published for HRP-2 and which PyBullet does not know. So the torques are those
-that belong to the end of the step, after Tan, Liu, Turk (2011); for the acceleration on the way there it counts which
-corners of the feet stood on the floor in the step before, since a foot on the floor does not give way.
+that belong to the end of the step, after Tan, Liu, Turk (2011), and so do the limits. For the acceleration on the way
+there it counts which corners of the feet stood on the floor in the step before, since a foot on the floor does not give
+way.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from stepover.model.robot import Robot
 from stepover.simulation.engine import Scene
 from stepover.simulation.pybullet.robot import Body
 from stepover.simulation.pybullet.surroundings import Point
-from stepover.simulation.servos import springs, within_limits
+from stepover.simulation.servos import fading, springs, within_limits
 from stepover.simulation.simulated import SimulatedRobot
 from stepover.simulation.soles import BUSH
 
@@ -77,12 +78,13 @@ class Servos:
         self._stiffness, self._damping = springs(robot, len(body.passive) // len(BUSH), 1.0 if limited else STIFFER)
         self._armature = self._dt * (self._damping + self._dt * self._stiffness)
         names, points = [*robot.body.joint_names, *simulated.passive], _points(robot, simulated)
-        self._prediction = Prediction(urdf_text(simulated.description), names, self._armature, points, self._dt)
+        self._prediction = Prediction(urdf_text(simulated.description), names, points, self._dt)
         self._prediction.set_gravity(scene.disturbances.gravity)
         self._limited = limited
         self._limits = robot.body.effort_limits if limited else np.full(len(body.joints), np.inf)
         self._goal, self._speed = np.zeros((2, len(self._joints)))
         self._standing: tuple[int, ...] = ()
+        self._state: tuple[np.ndarray, ...] = ()
         self.torque, self.saturated = np.zeros(len(body.joints)), np.zeros(len(body.joints), dtype=bool)
 
     def command(self, start: np.ndarray, end: np.ndarray, speed: np.ndarray) -> None:
@@ -90,14 +92,45 @@ class Servos:
         count = len(self.torque)
         self._goal[:count], self._speed[:count] = end, speed
         angles, speeds = self._body.joint_motion(self._joints)
+        self._state = *self._body.base_motion(), angles, speeds
         wanted = self._stiffness * (self._goal - angles - self._dt * speeds) + self._damping * (self._speed - speeds)
-        pose, twist = self._body.base_motion()
-        wanted -= self._armature * self._prediction.acceleration(pose, twist, angles, speeds, wanted, self._standing)
+        torque, speeds = self._at_end(wanted, self._armature)
         if self._limited:
-            wanted[:count] = within_limits(self._robot, wanted[:count], speeds[:count])
-        self.torque = wanted[:count]
+            torque = self._within_limits(wanted, torque, speeds)
+        self.torque = torque[:count]
         self.saturated = np.abs(self.torque) >= self._limits
-        self._body.drive(self._joints, wanted)
+        self._body.drive(self._joints, torque)
+
+    def _at_end(self, wanted: np.ndarray, armature: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Torques and joint speeds at the end of the step, from torques (J + 3 B,) at its beginning."""
+        pose, twist, angles, speeds = self._state
+        acceleration = self._prediction.acceleration(pose, twist, angles, speeds, wanted, self._standing, armature)
+        return wanted - armature * acceleration, speeds + self._dt * acceleration
+
+    def _within_limits(self, wanted: np.ndarray, torque: np.ndarray, speeds: np.ndarray) -> np.ndarray:
+        """Torques at the end of the step, of servos that have limits then.
+
+        A torque that fades near the speed limit is a damper, far stiffer than the servo's own. Taken from the beginning
+        of the step, it would let a joint overshoot its speed limit and brake in turns.
+
+        Args:
+            wanted: torques at the beginning of the step.
+            torque: torques at its end without limits.
+            speeds: joint speeds at its end without limits.
+        """
+        count = len(self.torque)
+        within = within_limits(self._robot, torque[:count], speeds[:count])
+        beyond = np.flatnonzero(within != torque[:count])
+        if len(beyond):
+            line, slope = fading(self._robot, torque[:count], self._state[3][:count])
+            full = np.abs(within) >= self._limits
+            wanted, armature, sign = wanted.copy(), self._armature.copy(), np.sign(torque[beyond])
+            wanted[beyond] = np.where(full, within, line)[beyond]
+            armature[beyond] = np.where(full, 0.0, self._dt * slope)[beyond]
+            torque, _ = self._at_end(wanted, armature)
+            torque[beyond] = sign * np.maximum(sign * torque[beyond], 0.0)
+            torque[:count] = np.minimum(np.maximum(torque[:count], -self._limits), self._limits)
+        return torque
 
     def look(self, on_floor: Sequence[Point]) -> None:
         """See which corners of the feet stood on the floor."""

@@ -6,14 +6,13 @@ from typing import Self
 
 import numpy as np
 
-from stepover.errors import InvalidInput
 from stepover.model.gravity import GRAVITY
 from stepover.simulation.engine import Contacts, Scene
 from stepover.simulation.pybullet.client import pybullet, silenced
 from stepover.simulation.pybullet.motors import Motors, motors_of
 from stepover.simulation.pybullet.robot import Body
 from stepover.simulation.pybullet.surroundings import Point, Surroundings
-from stepover.simulation.simulated import simulated_robot
+from stepover.simulation.simulated import require_mass, simulated_robot
 
 
 class World:
@@ -134,7 +133,7 @@ class World:
             self.surroundings = Surroundings(self.client, self.scene.obstacles)
             self.robot = Body(self.scene.robot, self._simulated, self.client)
         self._settle_physics()
-        self._check_mass()
+        require_mass(self.scene, self.robot.mass, "PyBullet")
         self.motors = motors_of(self.scene, self.robot, self._simulated)
 
     def _settle_physics(self) -> None:
@@ -157,13 +156,3 @@ class World:
             body, link, lateralFriction=1.0 if body != self.robot.number else friction, linearDamping=0.0,
             angularDamping=0.0, jointDamping=0.0, physicsClientId=self.client,
         )  # fmt: skip
-
-    def _check_mass(self) -> None:
-        """Refuse a robot that weighs something else in PyBullet than in pinocchio."""
-        robot, mass = self.scene.robot, self.robot.mass
-        expected = robot.body.mass * (1.0 + self.scene.disturbances.chest_mass)
-        if abs(mass - expected) > 1e-6 * mass:
-            raise InvalidInput(
-                f"{robot.urdf_path.name} weighs {mass:.3f} kg in PyBullet and {expected:.3f} kg in pinocchio: "
-                "every link needs an <inertial> with a mass"
-            )
