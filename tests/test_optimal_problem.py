@@ -13,6 +13,8 @@ from stepover.planning.optimal.base import base_motion
 from stepover.planning.optimal.channels import SIDES, Channels, hip_in_waist, of_sole, poses
 from stepover.planning.optimal.constraints.group import Local
 from stepover.planning.optimal.constraints.own_links import thigh_pairs
+from stepover.planning.optimal.constraints.sharing import shared_torques
+from stepover.planning.optimal.instants import Probe
 from stepover.planning.optimal.problem import GROUPS, problem_of
 from stepover.planning.optimal.qp import ElasticQP, solve
 from stepover.planning.optimal.search import chain
@@ -121,17 +123,10 @@ def test_shares_of_double_support_end_in_single_support(problem):
     """The moment that the ZMP is inside the bearing sole, that foot takes all."""
     scene = problem.scene
     seen = problem.at(np.zeros(problem.variables.count)).seen
-    group = seen_torques(seen)
+    probe = Probe(scene, scene.samples, seen.q, seen.v, seen.a)
     inside = np.flatnonzero((scene.support == 0) & (np.abs(seen.zmp[:, 0]) < 0.05) & (np.abs(seen.zmp[:, 1]) < 0.03))
     assert len(inside)
-    limits = scene.robot.body.effort_limits[np.array(scene.channels.full_columns) - 7]
-    alone = seen.wrench.torques[inside] / limits
-    assert np.abs(group.values[inside][:, : len(limits)] + scene.parameters.torque_share - alone).max() < 1e-9
-
-
-def seen_torques(seen):
-    """The group of joint torques."""
-    return next(group for group in GROUPS if group.__name__ == "torque")(seen)
+    assert np.abs(shared_torques(probe)[inside] - seen.wrench.torques[inside]).max() < 1e-9
 
 
 def test_own_pairs_take_trunk_and_thighs(robot):

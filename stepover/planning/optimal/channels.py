@@ -185,8 +185,10 @@ def hip_to_ankle(leg: Leg, bend: float) -> float:
 
 
 def poses(channels: np.ndarray) -> np.ndarray:
-    """Poses (n, 7) of x y z, yaw, pitch, roll (n, 6), without sign jumps."""
-    return pose.from_matrices(Rotation.from_euler("ZYX", channels[:, 3:]).as_matrix(), channels[:, :3])
+    """Poses (n, 7) of x y z, yaw, pitch, roll (n, 6), without sign jumps where the angles have none."""
+    (cy, cp, cr), (sy, sp, sr) = np.cos(channels[:, 3:].T / 2.0), np.sin(channels[:, 3:].T / 2.0)
+    vector = [sr * cp * cy - cr * sp * sy, cr * sp * cy + sr * cp * sy, cr * cp * sy - sr * sp * cy]
+    return np.column_stack([channels[:, :3], *vector, cr * cp * cy + sr * sp * sy])
 
 
 def euler(poses: np.ndarray) -> np.ndarray:

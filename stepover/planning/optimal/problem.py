@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -27,7 +27,9 @@ from stepover.planning.optimal.cost import Quadratic, centring, centring_by, qua
 from stepover.planning.optimal.instants import Instants, Scene
 from stepover.planning.optimal.variables import Variables
 
-GROUPS = (
+GroupOf = Callable[[Instants], Group]
+"""From what is seen to the values and gradients of one kind of constraint."""
+GROUPS: tuple[GroupOf, ...] = (
     joint_limits, joint_speeds, reach, lean, zmp, friction, yaw_moment, torque, clearance, sole_heights, landing_speed,
     own_distance,
 )  # fmt: skip
@@ -73,7 +75,7 @@ class Problem:
 
     scene: Scene
     variables: Variables
-    groups: Sequence[object] = GROUPS
+    groups: Sequence[GroupOf] = GROUPS
 
     @cached_property
     def every(self) -> int:
@@ -114,7 +116,7 @@ class Problem:
             steps = (quickening - speed, position - 2.0 * quickening, quickening + speed)
             for k, step in enumerate(steps):
                 if np.any(step):
-                    by[k] = _through(step, seen.by_channels[0][k], rows)
+                    by[k] = (step[:, None] @ seen.by_channels[0][k][rows])[:, 0]
         if local.channels is not None:
             by[1] += local.channels
         if local.channel_speeds is not None:
@@ -148,7 +150,7 @@ class Evaluation:
     @cached_property
     def groups(self) -> list[Group]:
         """All constraint groups."""
-        return [group(self.seen) for group in self.problem.groups]  # type: ignore[operator]
+        return [group(self.seen) for group in self.problem.groups]
 
     @cached_property
     def residuals(self) -> np.ndarray:
@@ -224,13 +226,3 @@ def looked_at(channels: Channels, base: Base, variables: Variables, p: Optimal) 
             chosen[max(event - near, first) : min(event + near, last) + 1] = True
     chosen[last] = True
     return np.flatnonzero(chosen)
-
-
-def _through(gradient: np.ndarray, by: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    """Gradients (R, C) by q as gradients by the channels, with dq/dchannels (n, C, C) at samples rows (R,)."""
-    found = np.empty_like(gradient)
-    order = np.argsort(rows, kind="stable")
-    cuts = np.flatnonzero(np.diff(rows[order])) + 1
-    for some in np.split(order, cuts):
-        found[some] = gradient[some] @ by[rows[some[0]]]
-    return found

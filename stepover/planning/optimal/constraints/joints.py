@@ -26,7 +26,11 @@ def joint_limits(seen: Instants) -> Group:
         bends = np.sign(seen.scene.robot.leg(side).rest[KNEE])
         lower[knee], upper[knee] = (-np.inf, upper[knee]) if bends > 0 else (lower[knee], np.inf)
     values = np.hstack([angles - upper, lower - angles]) / ANGLE
-    return _both_ways("joint limit", seen, values, np.full(len(joints), ANGLE), ANGLE, "rad", of_posture)
+
+    def gradient(rows: np.ndarray, columns: np.ndarray) -> Local:
+        return Local(motion=of_posture(_upwards_and_downwards(seen, columns)[1] / ANGLE))
+
+    return Group("joint limit", values, 2 * channels.dynamics.joints, ANGLE, "rad", gradient)
 
 
 def joint_speeds(seen: Instants) -> Group:
@@ -34,16 +38,15 @@ def joint_speeds(seen: Instants) -> Group:
     joints = np.array(seen.scene.channels.full_columns) - 7
     limits, share = seen.scene.robot.body.speed_limits[joints], seen.v[:, 6:]
     values = np.hstack([share / limits, -share / limits]) - seen.scene.parameters.speed_share
-    return _both_ways("joint speed", seen, values, limits, 1.0, "of its limit", of_speed)
-
-
-def _both_ways(name, seen, values, scales, scale, unit, placed) -> Group:  # type: ignore[no-untyped-def]
-    """A group over all joints twice: first upwards, then downwards."""
-    names, count = seen.scene.channels.dynamics.joints, len(scales)
 
     def gradient(rows: np.ndarray, columns: np.ndarray) -> Local:
-        joint = columns % count
-        sign = np.where(columns < count, 1.0, -1.0) / scales[joint]
-        return Local(motion=placed(sign[:, None] * one_hot(6 + joint, seen.q.shape[1])))
+        joint, way = _upwards_and_downwards(seen, columns)
+        return Local(motion=of_speed(way / limits[joint, None]))
 
-    return Group(name, values, [*names, *names], scale, unit, gradient)
+    return Group("joint speed", values, 2 * seen.scene.channels.dynamics.joints, 1.0, "of its limit", gradient)
+
+
+def _upwards_and_downwards(seen: Instants, columns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Joint (R,) of columns of a group over all joints twice, and its gradient (R, C) by q or v in the column's way."""
+    way, joint = np.divmod(columns, seen.q.shape[1] - 6)
+    return joint, (1.0 - 2.0 * way)[:, None] * one_hot(6 + joint, seen.q.shape[1])
