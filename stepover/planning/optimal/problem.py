@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -36,6 +36,8 @@ GROUPS: tuple[GroupOf, ...] = (
 """All constraint groups. Another one is a function in constraints/ and its name here."""
 ALMOST = 0.4
 """Rows whose scaled value is below its negative are left out of an iteration."""
+AT_ENDS = 0.1
+"""How far from both ends of the crossing the deviations hardly count yet [s]."""
 AROUND = 0.06
 """How far constraints are kept before and after the part that can change [s]."""
 
@@ -100,11 +102,24 @@ class Problem:
         """The cost's linear residuals."""
         return quadratic(self.scene, self.variables, self.every)
 
+    @cached_property
+    def given(self) -> list[np.ndarray]:
+        """What the base walk itself exceeds at both ends (n, m), where nothing can change it: for each group."""
+        scene, around = self.scene, round(AT_ENDS / self.scene.dt)
+        first, last = scene.base.crossing[0].lift_off + around, scene.base.crossing[-1].touch_down - around
+        ends = (scene.samples <= first) | (scene.samples >= last)
+        seen = self._seen(np.zeros(self.variables.count))
+        return [np.where(ends[:, None], np.maximum(group(seen).values, 0.0), 0.0) for group in self.groups]
+
     def at(self, x: np.ndarray) -> Evaluation:
         """Everything for one value of the variables (n,)."""
+        return Evaluation(self, x, self._seen(x))
+
+    def _seen(self, x: np.ndarray) -> Instants:
+        """The motion at the samples."""
         moved = self._base_steps + (self._basis @ x).reshape(self._base_steps.shape)
         place = 0.0 if self.variables.place is None else float(x[self.variables.place])
-        return Evaluation(self, x, Instants(self.scene, moved, self.scene.base.sequence.front_face + place))
+        return Instants(self.scene, moved, self.scene.base.sequence.front_face + place)
 
     def rows(self, local: Local, rows: np.ndarray, seen: Instants) -> sp.csr_matrix:
         """Derivatives (R, n) by the variables from those by what is seen at samples rows (R,)."""
@@ -150,7 +165,9 @@ class Evaluation:
     @cached_property
     def groups(self) -> list[Group]:
         """All constraint groups."""
-        return [group(self.seen) for group in self.problem.groups]
+        found = [group(self.seen) for group in self.problem.groups]
+        pairs = zip(found, self.problem.given, strict=True)
+        return [replace(group, values=group.values - given) for group, given in pairs]
 
     @cached_property
     def residuals(self) -> np.ndarray:

@@ -111,7 +111,7 @@ class Search:
     def run(self, obstacle: Obstacle) -> Evaluation:
         """Search. The result may violate constraints; its worst one says so."""
         stages = chain(obstacle, self.parameters)
-        if len(stages) <= DIRECT:
+        if 1 < len(stages) <= DIRECT:
             found = self._solve(obstacle, np.zeros(self.variables.count), "base motion")
             if found.worst.value <= NEAR:
                 return self._at_every_sample(found)

@@ -21,6 +21,8 @@ KEPT, GOOD, POOR = 0.05, 0.7, 0.25
 """Share of the promised decrease from which a step is kept, the region grows, and below which it shrinks."""
 LARGEST, SMALLEST = 2.0, 2e-3
 """Of the trust region."""
+STUCK = 1e-3
+"""Share of the merit below which a promised decrease is not worth another iteration."""
 
 
 class Solution(NamedTuple):
@@ -55,7 +57,8 @@ def minimise(
         if look is not None:
             look(here)
         left = (0.05 if kept else 0.2) * merit
-        if (here.worst.value < tolerance and promised < left) or trust < SMALLEST:
+        stuck = promised < STUCK * merit and here.worst.value >= tolerance
+        if (here.worst.value < tolerance and promised < left) or trust < SMALLEST or stuck:
             break
     return Solution(here, iteration)
 
