@@ -48,8 +48,9 @@ class Optimal:
     # Base motion.
     step_length: float = parameter(0.56, "m", "X_ads of the base motion; wide obstacles need more", scale="leg")
     waist_height: float = parameter(0.58, "m", "Z_hds of the base motion", scale="waist")
-    base_height: float = parameter(0.25, "m", "obstacle that the base motion's feet clear, at most", scale="leg")
-    base_width: float = parameter(0.05, "m", "width of the obstacle at which a chain of obstacles begins")
+    base_height: float = parameter(0.15, "m", "obstacle that the base motion's feet clear, at most", scale="leg")
+    chain_height: float = parameter(0.25, "m", "height at which a chain of obstacles begins", scale="leg")
+    chain_width: float = parameter(0.05, "m", "width at which it begins")
 
     # Resolution.
     look_every: float = parameter(0.02, "s", "time between the samples at which constraints are kept")

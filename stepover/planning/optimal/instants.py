@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from stepover.model.gravity import GRAVITY
 from stepover.model.kinematics import Placements
 from stepover.model.obstacle import Obstacle
 from stepover.model.parameters.optimal import Optimal
@@ -19,6 +20,9 @@ from stepover.model.robot import Robot
 from stepover.motion.footsteps import LEG_1
 from stepover.planning.optimal.base import Base
 from stepover.planning.optimal.channels import SIDES, WAIST, Channels, Reached, euler_axes
+
+LEAST = 0.3
+"""Share of the weight below which the vertical force does not count as less: half of what a solution keeps."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -253,10 +257,15 @@ class Instants(Posed):
 
     @cached_property
     def zmp(self) -> np.ndarray:
-        """ZMP (n, 2) in the bearing sole's frame [m]."""
-        (fx, fy, fz), (mx, my, _) = self.wrench.force.T, self.wrench.moment.T
-        height = self.scene.robot.foot.ankle_height
-        return np.column_stack([-(my + height * fx) / fz, (mx - height * fy) / fz])
+        """ZMP (n, 2) in the bearing sole's frame [m]; of a robot that hardly stands, with a least force."""
+        (fx, fy, _), (mx, my, _) = self.wrench.force.T, self.wrench.moment.T
+        height, up = self.scene.robot.foot.ankle_height, self._standing_force
+        return np.column_stack([-(my + height * fx) / up, (mx - height * fy) / up])
+
+    @cached_property
+    def _standing_force(self) -> np.ndarray:
+        """Vertical force (n,), at least a share of the weight [N]: or the ZMP of a bad guess were anywhere."""
+        return np.maximum(self.wrench.force[:, 2], LEAST * self.scene.channels.dynamics.mass * GRAVITY)
 
     @cached_property
     def yaw_moment(self) -> np.ndarray:
@@ -285,9 +294,10 @@ class Instants(Posed):
     @cached_property
     def zmp_by(self) -> np.ndarray:
         """Derivative (n, 2, 3 C) of the ZMP by q, v, a."""
-        by, fz, height = self.wrench_by[0], self.wrench.force[:, 2, None], self.scene.robot.foot.ankle_height
-        ahead = -(by[:, 4] + height * by[:, 0] + self.zmp[:, :1] * by[:, 2]) / fz
-        aside = (by[:, 3] - height * by[:, 1] - self.zmp[:, 1:] * by[:, 2]) / fz
+        by, up, height = self.wrench_by[0], self._standing_force[:, None], self.scene.robot.foot.ankle_height
+        by_up = np.where(self.wrench.force[:, 2, None] < up, 0.0, by[:, 2])
+        ahead = -(by[:, 4] + height * by[:, 0] + self.zmp[:, :1] * by_up) / up
+        aside = (by[:, 3] - height * by[:, 1] - self.zmp[:, 1:] * by_up) / up
         return np.stack([ahead, aside], axis=1)
 
     @cached_property

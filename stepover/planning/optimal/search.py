@@ -183,7 +183,7 @@ def _between(low: Obstacle, high: Obstacle) -> Obstacle:
 
 def chain(obstacle: Obstacle, p: Optimal) -> list[Obstacle]:
     """Obstacles that lead to one: both sizes grow together, by no more than the steps of the parameters."""
-    low, narrow = min(p.base_height, obstacle.height), min(p.base_width, obstacle.width)
+    low, narrow = min(p.chain_height, obstacle.height), min(p.chain_width, obstacle.width)
     links = max((obstacle.height - low) / p.height_step, (obstacle.width - narrow) / p.width_step)
     shares = np.linspace(0.0, 1.0, int(np.ceil(links - 1e-9)) + 1) if links > 1e-9 else [1.0]
     return [
