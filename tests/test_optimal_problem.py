@@ -156,10 +156,10 @@ def test_the_quadratic_program_against_scipy(seed):
 
 
 def test_a_chain_grows_by_no_more_than_its_steps():
-    stages = chain(Obstacle(0.41, 0.20), Optimal())
+    stages = chain(Obstacle(0.51, 0.20), Optimal())
     sizes = np.array([[stage.height, stage.width] for stage in stages])
-    assert sizes[0].tolist() == [0.25, 0.05]
-    assert sizes[-1].tolist() == [0.41, 0.20]
+    assert sizes[0].tolist() == [0.40, 0.05]
+    assert sizes[-1].tolist() == [0.51, 0.20]
     assert (np.diff(sizes, axis=0).max(axis=0) < [0.0501, 0.0701]).all()
     assert len(chain(Obstacle(0.10, 0.04), Optimal())) == 1
 

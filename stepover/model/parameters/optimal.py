@@ -49,7 +49,7 @@ class Optimal:
     step_length: float = parameter(0.56, "m", "X_ads of the base motion; wide obstacles need more", scale="leg")
     waist_height: float = parameter(0.58, "m", "Z_hds of the base motion", scale="waist")
     base_height: float = parameter(0.15, "m", "obstacle that the base motion's feet clear, at most", scale="leg")
-    chain_height: float = parameter(0.25, "m", "height at which a chain of obstacles begins", scale="leg")
+    chain_height: float = parameter(0.40, "m", "height at which a chain of obstacles begins", scale="leg")
     chain_width: float = parameter(0.05, "m", "width at which it begins")
 
     # Resolution.

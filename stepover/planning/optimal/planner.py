@@ -23,6 +23,9 @@ from stepover.planning.optimal.search import Attempt, Report, Search
 from stepover.planning.optimal.torques import TorqueRatio, largest_torque
 from stepover.planning.request import one_obstacle
 
+EVERY = 2
+"""Samples between those at which the distances of the robot's own links are measured."""
+
 
 @dataclass(frozen=True, eq=False)
 class OptimalPlan:
@@ -94,14 +97,12 @@ def optimal_in_detail(
         nearest = search.nearest(obstacle) if look_for_nearest else None
         raise Infeasible(refusal(found), nearest.problem.scene.obstacle if nearest else None)
     motion = motion_of(search, found)
-    torque = check(robot, motion)
-    placements = robot.body.placements(motion.q)
-    apart = self_clearance([*thigh_pairs(robot), *robot.own_pairs], placements, 2)[0]
+    torque, apart = check(robot, motion)
     return OptimalPlan(motion, tuple(search.attempts), torque, apart, clock.perf_counter() - start)
 
 
-def check(robot: Robot, motion: Motion) -> TorqueRatio:
-    """Require all limits of the finished motion, at every sample; return its largest torque.
+def check(robot: Robot, motion: Motion) -> tuple[TorqueRatio, float]:
+    """Require all limits of the finished motion; its largest torque, and how near its own links come [m].
 
     Raises:
         Infeasible: names what is broken, by how much and when.
@@ -111,7 +112,12 @@ def check(robot: Robot, motion: Motion) -> TorqueRatio:
     torque = largest_torque(robot, motion)
     if torque.ratio > 1.0:
         raise Infeasible(f"{torque.joint} needs {torque.ratio:.2f} of its torque at t = {torque.time:.3f} s")
-    return torque
+    apart, one, other, sample = self_clearance(
+        [*thigh_pairs(robot), *robot.own_pairs], robot.body.placements(motion.q), EVERY
+    )
+    if apart <= 0.0:
+        raise Infeasible(f"{one} and {other} meet at t = {motion.time[sample]:.3f} s")
+    return torque, apart
 
 
 def refusal(found: Evaluation) -> str:

@@ -4,8 +4,8 @@ First the obstacle itself is tried from the base motion. Where that fails, or wh
 clears, a chain of obstacles leads to it, each from the solution of the one before. A solution is then looked at every
 5 ms. Samples that break a constraint are added, and the problem is solved again.
 
-Where an obstacle cannot be crossed, the chain says how far it led. From there a few bisections look for the nearest
-obstacle that can be.
+Where an obstacle cannot be crossed, the chain says how far it led. From there bisection looks for the nearest obstacle
+that can be. If not even the chain's first one can be, half its height is tried, and so on.
 """
 
 from __future__ import annotations
@@ -32,8 +32,10 @@ BETWEEN = 1e-2
 """Largest scaled violation between the samples that are looked at: well within the reserves."""
 DIRECT = 6
 """Largest number of links in a chain whose last one is tried at once: 50 cm by 5 cm, 25 by 40."""
-BISECTIONS = 2
+BISECTIONS = 1
 """How often the step from the last obstacle that can be crossed to the first that cannot is halved."""
+LOWEST = 0.05
+"""Height down to which halves are tried where not even the first obstacle of a chain can be crossed [m]."""
 FEWER, AGAIN = 12, 0.04
 """Largest number of iterations, and first size of the trust region, after samples were added."""
 
@@ -125,10 +127,16 @@ class Search:
 
     def nearest(self, obstacle: Obstacle) -> Evaluation | None:
         """The solution for an obstacle on the chain to one that cannot be crossed, as near as some bisections come."""
+        stages = chain(obstacle, self.parameters)
         kept = [found for found in self.chain if found.problem.scene.obstacle != obstacle]
+        high = stages[len(kept)] if len(kept) < len(stages) else obstacle
+        while not kept and high.height > LOWEST:
+            low = dataclasses.replace(high, height=float(np.floor(500.0 * high.height) / 1e3))
+            found = self._solve(low, np.zeros(self.variables.count), "base motion")
+            kept, high = ([found], high) if found.worst.value <= NEAR else ([], low)
         if not kept:
             return None
-        best, high = kept[-1], chain(obstacle, self.parameters)[len(kept)]
+        best = kept[-1]
         for _ in range(BISECTIONS):
             found = self._solve(_between(best.problem.scene.obstacle, high), best.x, "last solution")
             if found.worst.value <= NEAR:
