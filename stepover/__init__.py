@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from stepover.model.robot import Robot
     from stepover.motion.motion import Motion
     from stepover.planning.algorithm_1.planner import plan
+    from stepover.planning.optimal.planner import optimal_plan
     from stepover.planning.quasi_static.planner import quasi_static_plan
     from stepover.robots.loading import load_robot
     from stepover.simulation.run import simulate
@@ -35,6 +36,7 @@ _HOMES = {
     "Robot": "stepover.model.robot",
     "StepOverError": "stepover.errors",
     "load_robot": "stepover.robots.loading",
+    "optimal_plan": "stepover.planning.optimal.planner",
     "plan": "stepover.planning.algorithm_1.planner",
     "quasi_static_plan": "stepover.planning.quasi_static.planner",
     "simulate": "stepover.simulation.run",
@@ -49,6 +51,7 @@ __all__ = [
     "Robot",
     "StepOverError",
     "load_robot",
+    "optimal_plan",
     "plan",
     "quasi_static_plan",
     "simulate",

@@ -161,6 +161,17 @@ class TestPlan:
         assert re.search("^ZMP to CoM +20 mm at most, epsilon$", told, re.MULTILINE)
         assert "dynamic filter" not in told
 
+    def test_the_optimising_planner(self):
+        result = call("plan", *SMALL, "--planner", "optimal", "--output", "m.npz", "--json")
+        assert result.exit_code == 0, result.output
+        printed, motion = json.loads(result.stdout), Motion.load("m.npz")
+        own = {"torque_ratio_max", "torque_ratio_joint", "self_clearance_min", "iterations", "attempts"}
+        paper = {"zmp_rms_first_stage", "adaptations", "planning_time", "key_configuration"}
+        assert set(printed) == PLAN_KEYS - paper | own
+        assert (printed["planner"], motion.planner) == ("optimal", "optimal")
+        assert printed["torque_ratio_max"] < 1.0
+        assert printed["iterations"] == sum(attempt["iterations"] for attempt in printed["attempts"])
+
     def test_the_paper_alone(self):
         result = call("plan", *SMALL, "--no-extras", "--output", "m.npz", "--json")
         assert json.loads(result.stdout)["adaptations"]["beyond_paper_level"] == 0

@@ -41,6 +41,7 @@ FLOORS = (
 # The one door to each library: a file, or a folder with everything in it.
 DOORS = {
     "pinocchio": ("stepover.model",),
+    "piqp": ("stepover.planning.optimal.qp",),
     "pybullet": ("stepover.simulation.pybullet",),
     "pybullet_data": ("stepover.simulation.pybullet",),
     "pybullet_utils": ("stepover.simulation.pybullet",),
@@ -176,8 +177,9 @@ def test_importing_stepover_loads_neither_pinocchio_nor_pybullet():
     assert found.stdout.strip() == "[]"
 
 
-@pytest.mark.parametrize("name", ["Obstacle", "load_robot", "plan", "quasi_static_plan", "simulate", "Motion",
-                                  "StepOverError", "InvalidInput", "Infeasible", "CorruptMotion"])  # fmt: skip
+@pytest.mark.parametrize("name", ["Obstacle", "load_robot", "optimal_plan", "plan", "quasi_static_plan", "simulate",
+                                  "Motion", "StepOverError", "InvalidInput", "Infeasible", "CorruptMotion"]
+)  # fmt: skip
 def test_the_promised_names_are_there(name):
     assert name in stepover.__all__
     assert getattr(stepover, name) is not None
@@ -274,7 +276,7 @@ def test_imported_libraries_are_dependencies():
     foreign = imported - set(sys.stdlib_module_names) - {"stepover"}
     core = required(PYPROJECT["project"]["dependencies"])
     assert {distribution(name) for name in foreign - set(EXTRAS)} == core
-    assert core == {"numpy", "scipy", "pin", "coal", "mujoco-core", "click", "tqdm"}
+    assert core == {"numpy", "scipy", "pin", "coal", "piqp", "mujoco-core", "click", "tqdm"}
 
 
 def test_each_optional_library_is_in_its_extra():

@@ -7,7 +7,7 @@ import pytest
 from conftest import random_q
 
 from stepover.model.collision import distance_between
-from stepover.model.self_collision import _lower_bounds, self_clearance
+from stepover.model.self_collision import lower_bounds, self_clearance
 
 
 @pytest.fixture(scope="module")
@@ -22,7 +22,7 @@ def test_what_is_asked_of_coal_is_never_too_little(robot, strewn):
     placements, exact = strewn
     assert (exact < 0.0).sum() > 10
     for up_to in (np.inf, 0.0):
-        bounds = _lower_bounds(robot.own_pairs, placements, up_to)
+        bounds = lower_bounds(robot.own_pairs, placements, up_to)
         assert (bounds <= exact + 1e-6).all()
         assert ((bounds > 0.0) & (exact > 0.0)).sum() > 0.5 * exact.size
 

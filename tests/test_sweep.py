@@ -97,6 +97,14 @@ class TestRows:
         assert fingerprint(cross, str(path)) != before
 
 
+def test_another_planner(monkeypatch, motion):
+    """The row has the motion's measures, and nothing of Algorithm 1."""
+    monkeypatch.setattr(sweep, "find_planner", lambda name: lambda robot, obstacle: (name == "optimal") and motion)
+    row = Crossing(**cross(Point(0.15, 0.05, physics=False, planner="optimal")))
+    assert (row.planner, row.planned, row.motion, row.x_ads) == ("optimal", True, motion.hash(), None)
+    assert row.planned_clearance > 0.03
+
+
 class TestSummary:
     KNOWN = {"robot": "hrp2", "version": "0", "margin_height": 0.03, "margin_width": 0.03}  # noqa: RUF012
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +19,7 @@ if TYPE_CHECKING:
     from stepover.model.obstacle import Obstacle
     from stepover.model.robot import Robot
     from stepover.motion.motion import Motion
+    from stepover.planning.optimal.search import Progress, Report
 
 OWN = {"paper": ("arms", "speed_limits", "extras"), "quasi-static": ("epsilon",)}
 """Options that only one planner has."""
@@ -28,7 +31,11 @@ OWN = {"paper": ("arms", "speed_limits", "extras"), "quasi-static": ("epsilon",)
 @click.option("--width", type=float, required=True, help="Width of the bare obstacle, along the path [m].")
 @margins
 @click.option("--distance", type=float, help="From the ankles to its front face [m]; default: set by nominal steps.")
-@choice("--planner", tuple(PLANNERS), "Algorithm 1 of the paper, or the quasi-static baseline.")
+@choice(
+    "--planner",
+    tuple(PLANNERS),
+    "The paper's Algorithm 1, an optimiser that keeps all limits, or the baseline.",
+)
 @planner_choices
 @click.option(
     "--extras/--no-extras", default=True, show_default=True,
@@ -77,6 +84,21 @@ def plan(
     say(summary.as_line(result) if as_json else f"{summary.plan_summary(result)}\n\nwritten to {output}")
 
 
+@contextlib.contextmanager
+def iterations() -> Iterator[Report]:
+    """A bar on stderr, if that is a terminal: the obstacle at hand, iterations, and what is violated most."""
+    from tqdm import tqdm
+
+    with tqdm(disable=None, leave=False, bar_format="{desc} [{elapsed}]") as bar:
+
+        def show(now: Progress) -> None:
+            size = f"{100 * now.height:.4g} cm high, {100 * now.width:.4g} cm wide"
+            worst = f"worst violation {max(now.violation, 0.0):.4f} ({now.constraint})"
+            bar.set_description_str(f"{size}: iteration {now.iterations}, {worst}")
+
+        yield show
+
+
 def _planned(name: str, robot: Robot, obstacle: Obstacle, own: dict[str, Any]) -> tuple[Motion, dict[str, Any]]:
     """The motion from the named planner, and the values to print. Some planners add values of their own."""
     from stepover.report import summary
@@ -92,5 +114,11 @@ def _planned(name: str, robot: Robot, obstacle: Obstacle, own: dict[str, Any]) -
 
         slow = quasi_static_in_detail(robot, obstacle, **own)
         return slow.motion, summary.quasi_static_to_json(robot, obstacle, slow)
+    if name == "optimal":
+        from stepover.planning.optimal.planner import optimal_in_detail
+
+        with iterations() as advance:
+            best = optimal_in_detail(robot, obstacle, progress=advance)
+        return best.motion, summary.motion_to_json(robot, obstacle, best.motion) | best.to_json()
     motion = find_planner(name)(robot, obstacle)
     return motion, summary.motion_to_json(robot, obstacle, motion)

@@ -8,8 +8,9 @@ from typing import Any
 import click
 
 from stepover.cli.commands import Command, goes_on, one_thread_a_process, say
-from stepover.cli.options import as_json, engine, margins, new_file, planner_choices
+from stepover.cli.options import as_json, choice, engine, margins, new_file, planner_choices
 from stepover.errors import InvalidInput
+from stepover.planning.planner import PLANNERS
 
 
 def _anywhere(context: click.Context, parameter: click.Parameter, value: str) -> str:
@@ -35,6 +36,7 @@ def _anywhere(context: click.Context, parameter: click.Parameter, value: str) ->
     help="A name under data/, or a path to a robot.toml.",
 )
 @margins
+@choice("--planner", tuple(PLANNERS), "Which planner; --arms and --speed-limits are the paper's.")
 @planner_choices
 @click.option("--simulate", "physics", is_flag=True, help="Also simulate each planned motion, with ideal motors.")
 @engine

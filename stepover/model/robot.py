@@ -18,6 +18,7 @@ from stepover.model.description.links import Description
 from stepover.model.description.urdf_text import urdf_text
 from stepover.model.legs import KNEE, Leg
 from stepover.model.parameters.facts import Foot, Legs, Outline, Posture, UpperBody
+from stepover.model.parameters.optimal import Optimal
 from stepover.model.parameters.physics import Servo, Simulation, SoleRubber
 from stepover.model.parameters.planning import (
     Adaptor,
@@ -47,8 +48,9 @@ class Robot:
         body: multi-body model described by the URDF.
         root: name of the root link, the waist.
         legs, foot, outline, posture, upper_body: facts that a URDF cannot contain.
-        walk, feasibility, stepping_over, late_swing, preview, adaptor, beyond_paper, checks, quasi_static: parameters
-            of planners.
+        walk, feasibility, stepping_over, late_swing, preview, adaptor, beyond_paper, checks: parameters of Algorithm 1
+            and of the checks.
+        optimal, quasi_static: parameters of the other two planners.
         simulation, servo, sole, stabilizer: parameters of the physics and of the stabilizer.
         slow: tables that replace others if the plan must keep the joints' speed limits.
     """
@@ -70,6 +72,7 @@ class Robot:
     late_swing: LateSwing = field(default_factory=LateSwing)
     beyond_paper: BeyondPaper = field(default_factory=BeyondPaper)
     checks: Checks = field(default_factory=Checks)
+    optimal: Optimal = field(default_factory=Optimal)
     quasi_static: QuasiStatic = field(default_factory=QuasiStatic)
     simulation: Simulation = field(default_factory=Simulation)
     servo: Servo = field(default_factory=Servo)

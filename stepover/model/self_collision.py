@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
+import coal
 import numpy as np
 
 from stepover.model.collision import Shape, distance_between, smallest
@@ -20,12 +23,12 @@ def self_clearance(
         up_to: if all distances are larger than this [m], the result is one of them, not always the smallest.
     """
     look = Placements(placements.rotations[::every], placements.positions[::every])
-    bounds = _lower_bounds(pairs, look, up_to)
+    bounds = lower_bounds(pairs, look, up_to)
     distance, which, k = smallest(bounds, lambda i, k: distance_between(*pairs[i], look, k), up_to)
     return distance, pairs[which][0].link, pairs[which][1].link, k * every
 
 
-def _lower_bounds(pairs: list[tuple[Shape, Shape]], look: Placements, up_to: float) -> np.ndarray:
+def lower_bounds(pairs: list[tuple[Shape, Shape]], look: Placements, up_to: float) -> np.ndarray:
     """Lower bounds (pairs, n) of the distances [m].
 
     Boxes along the root's axes come first, since the legs hang side by side from the root. Most pairs are separated by
@@ -67,3 +70,41 @@ def _extent(shape: Shape, look: Placements, samples: np.ndarray | slice, axes: n
     shift = np.einsum("aen,an->en", axes, look.positions[samples, shape.joint].T)
     along = shape.vertices @ turns + shift[:, None]  # (E, V, n)
     return np.array([along.min(axis=1), along.max(axis=1)])
+
+
+class NearPairs(NamedTuple):
+    """R cases of two shapes that are near to each other.
+
+    Attributes:
+        sample, pair: (R,) indices.
+        distance: (R,) signed [m].
+        first, second: (R, 3) nearest points in the world [m].
+        normal: (R, 3) unit vectors from the first to the second shape.
+    """
+
+    sample: np.ndarray
+    pair: np.ndarray
+    distance: np.ndarray
+    first: np.ndarray
+    second: np.ndarray
+    normal: np.ndarray
+
+
+def near_pairs(pairs: list[tuple[Shape, Shape]], placements: Placements, up_to: float) -> NearPairs:
+    """All cases in which a lower bound of the distance is at most up_to [m]."""
+    bounds = lower_bounds(pairs, placements, up_to)
+    pair, sample = np.nonzero(bounds <= up_to)
+    request, result = coal.DistanceRequest(True, True), coal.DistanceResult()
+    rows = np.empty((len(pair), 10))
+    for row, i, k in zip(rows, pair.tolist(), sample.tolist(), strict=True):  # coal takes one pair at a time
+        (one, other), result = pairs[i], coal.DistanceResult()
+        row[0] = coal.distance(one.solid, _place(one, placements, k), other.solid, _place(other, placements, k),
+                               request, result)  # fmt: skip
+        row[1:4], row[4:7], row[7:] = result.getNearestPoint1(), result.getNearestPoint2(), result.normal
+    return NearPairs(sample, pair, rows[:, 0], rows[:, 1:4], rows[:, 4:7], rows[:, 7:])
+
+
+def _place(shape: Shape, placements: Placements, sample: int) -> coal.Transform3s:
+    """Where a shape is."""
+    rotation, position = placements.rotations[sample, shape.joint], placements.positions[sample, shape.joint]
+    return coal.Transform3s(rotation.copy(), position.copy())

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 PLANNERS = {
     "paper": "stepover.planning.algorithm_1.planner:plan",
+    "optimal": "stepover.planning.optimal.planner:optimal_plan",
     "quasi-static": "stepover.planning.quasi_static.planner:quasi_static_plan",
 }
 """Module and function of each planner, by its name. They are imported when they are first asked for."""

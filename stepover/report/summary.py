@@ -107,6 +107,12 @@ def _told_by_the_planner(result: dict[str, Any]) -> list[tuple[str, str]]:
             ("dynamic filter", f"{did['filter_passes']} pass{'es' * (did['filter_passes'] != 1)}"),
             ("planned in", f"{times['total']:.2f} s, of which {times['feasibility']:.2f} s in the feasibility unit"),
         ]
+    if "torque_ratio_max" in result:
+        rows += [
+            ("largest torque", f"{result['torque_ratio_max']:.2f} of the limit of {result['torque_ratio_joint']}"),
+            ("own links", f"{1e3 * result['self_clearance_min']:.1f} mm apart at least"),
+            ("iterations", f"{result['iterations']} in {len(result['attempts'])} problems"),
+        ]
     if "epsilon" in result:
         rows.append(("ZMP to CoM", f"{1e3 * result['epsilon']:.2g} mm at most, epsilon"))
         if result["margins_refused"]:

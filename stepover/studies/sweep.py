@@ -17,9 +17,12 @@ import numpy as np
 from stepover import __version__
 from stepover.errors import Infeasible
 from stepover.model.obstacle import Obstacle
+from stepover.model.robot import Robot
+from stepover.motion.motion import Motion
 from stepover.planning.algorithm_1.plan import Plan
 from stepover.planning.algorithm_1.planner import plan_in_detail
 from stepover.planning.checks import measure
+from stepover.planning.planner import find_planner
 from stepover.simulation.engine import DEFAULT
 from stepover.studies.study import Row, make_table, read_rows, robot_of, rounded
 
@@ -34,6 +37,7 @@ class Point:
         physics: whether planned motions are simulated.
         margin_height, margin_width: safety margins [m].
         arms, speed_limits: as for plan.
+        planner: name of the planner, as in planning.planner.
         engine: of the physics.
     """
 
@@ -45,6 +49,7 @@ class Point:
     margin_width: float = 0.03
     arms: str = "auto"
     speed_limits: str = "ignore"
+    planner: str = "paper"
     engine: str = DEFAULT
 
     @property
@@ -74,6 +79,7 @@ class Crossing:
         crossed: whether the simulated robot crossed.
         simulated_clearance: smallest distance in the physics [m].
         reason: why there is no plan, or why the robot did not cross.
+        planner: name of the planner.
     """
 
     robot: str
@@ -101,6 +107,7 @@ class Crossing:
     crossed: bool | None = None
     simulated_clearance: float | None = None
     reason: str = ""
+    planner: str = "paper"
 
 
 def cross(point: Point) -> Row:
@@ -109,19 +116,23 @@ def cross(point: Point) -> Row:
     row = Crossing(
         robot=robot.name, version=__version__, height=point.height, width=point.width,
         margin_height=point.margin_height, margin_width=point.margin_width, arms=point.arms,
-        speed_limits=point.speed_limits, planned=False,
+        speed_limits=point.speed_limits, planned=False, planner=point.planner,
     )  # fmt: skip
     try:
-        found = plan_in_detail(
-            robot, point.obstacle, arms=point.arms, speed_limits=point.speed_limits, look_for_nearest=False
-        )
+        if point.planner == "paper":
+            found = plan_in_detail(
+                robot, point.obstacle, arms=point.arms, speed_limits=point.speed_limits, look_for_nearest=False
+            )
+            row, motion = _adapted(row, found), found.motion
+        else:
+            motion = find_planner(point.planner)(robot, point.obstacle)
     except Infeasible as error:
         return dataclasses.asdict(dataclasses.replace(row, reason=error.constraint))
-    row = _planned(row, point, found)
+    row = _planned(row, robot, motion)
     if point.physics:
         from stepover.simulation.run import simulate  # imported here, since planning alone needs no physics
 
-        run = simulate(found.motion, robot=robot, engine=point.engine)
+        run = simulate(motion, robot=robot, engine=point.engine)
         row = dataclasses.replace(
             row, engine=point.engine, crossed=run.crossed, simulated_clearance=rounded(run.clearance_min),
             reason=run.explanation,
@@ -129,16 +140,24 @@ def cross(point: Point) -> Row:
     return dataclasses.asdict(row)
 
 
-def _planned(row: Crossing, point: Point, found: Plan) -> Crossing:
-    """A row with the values of the plan."""
-    measured, feet = measure(robot_of(point.robot), found.motion), found.adaptation
+def _adapted(row: Crossing, found: Plan) -> Crossing:
+    """A row with what Algorithm 1 chose and adapted."""
+    feet = found.adaptation
     return dataclasses.replace(
-        row, planned=True, beyond_paper_level=found.options.level,
+        row, beyond_paper_level=found.options.level,
         arm_swing_deg=rounded(np.degrees(found.nominal.upper.arm_swing), 2), foot_back=rounded(feet.shift),
         waist_raised=rounded(feet.raised), ankle_pushed=rounded(feet.pushed), x_ads=rounded(found.key.x_ads),
         x_hds=rounded(found.key.x_hds), z_hds=rounded(found.key.z_hds),
-        planned_clearance=rounded(measured.clearance_min), zmp_margin=rounded(measured.zmp_margin_min),
-        joint_speed_ratio=rounded(measured.joint_speed_ratio_max, 3), motion=found.motion.hash(),
+    )  # fmt: skip
+
+
+def _planned(row: Crossing, robot: Robot, motion: Motion) -> Crossing:
+    """A row with the measures of a motion."""
+    measured = measure(robot, motion)
+    return dataclasses.replace(
+        row, planned=True, planned_clearance=rounded(measured.clearance_min),
+        zmp_margin=rounded(measured.zmp_margin_min), joint_speed_ratio=rounded(measured.joint_speed_ratio_max, 3),
+        motion=motion.hash(),
     )  # fmt: skip
 
 
