@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from importlib.util import find_spec
 
 from stepover.errors import InvalidInput
 
@@ -33,8 +34,8 @@ NAMES = {
     "pybullet_utils": "PyBullet",
 }
 """Libraries that are called otherwise than their module."""
-INSTEAD = {"pybullet": "or take --engine mujoco"}
-"""What does without an extra."""
+INSTEAD = {"simulate": "or take --engine mujoco"}
+"""What does without the missing library, by what needs it."""
 LAST_PYTHON = {"pybullet": (3, 11)}
 """The last Python for which there are wheels of an extra."""
 
@@ -55,14 +56,25 @@ def needs(what: str) -> Iterator[None]:
         module = (error.name or "").partition(".")[0]
         if module not in EXTRAS:
             raise
-        raise InvalidInput(f"{what} needs {NAMES.get(module, module)}{_remedy(EXTRAS[module])}") from error
+        raise InvalidInput(f"{what} needs {NAMES.get(module, module)}{_remedy(what, EXTRAS[module])}") from error
 
 
-def _remedy(extra: str) -> str:
+def require(module: str, what: str) -> None:
+    """Say at once that an optional library is missing, without loading it.
+
+    Raises:
+        InvalidInput: as needs.
+    """
+    with needs(what):
+        if find_spec(module) is None:
+            raise ModuleNotFoundError(name=module)
+
+
+def _remedy(what: str, extra: str) -> str:
     """How an extra is installed, with which Python where this one is too new for it, and what does without it."""
     command = f": pip install 'stepover[{extra}]'"
     last = LAST_PYTHON.get(extra, sys.version_info[:2])
     if sys.version_info[:2] > last:
         newest, this = (".".join(map(str, version[:2])) for version in (last, sys.version_info))
         command = f", which has no wheel for Python {this}{command} under Python {newest}"
-    return f"{command}, {INSTEAD[extra]}" if extra in INSTEAD else command
+    return f"{command}, {INSTEAD[what]}" if what in INSTEAD else command

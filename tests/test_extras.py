@@ -93,6 +93,10 @@ def test_help(folder):
     ("arguments", "message"),
     [
         ("simulate m.npz", NO_PYBULLET),
+        (
+            "simulate m.npz --engine mujoco --video m.mp4",
+            NO_PYBULLET.replace("simulate", "a video").removesuffix(", or take --engine mujoco"),
+        ),
         ("view m.npz --output m.html", "view needs meshcat: pip install 'stepover[report]'"),
         ("sweep --heights 0.1 --widths 0.05 --output t.csv", "sweep needs joblib: pip install 'stepover[studies]'"),
         ("study m.npz --output t.csv", "study needs joblib: pip install 'stepover[studies]'"),
@@ -115,7 +119,7 @@ class TestNeeds:
 
     def test_a_python_without_wheels(self, monkeypatch):
         monkeypatch.setattr(sys, "version_info", (3, 13, 0))
-        words = "PyBullet, which has no wheel for Python 3.13: pip install 'stepover[pybullet]' under Python 3.11, or"
+        words = "PyBullet, which has no wheel for Python 3.13: pip install 'stepover[pybullet]' under Python 3.11"
         with pytest.raises(stepover.InvalidInput, match=re.escape(words)):
             self.missing("pybullet")
         with pytest.raises(stepover.InvalidInput, match=r"joblib: pip install 'stepover\[studies\]'$"):

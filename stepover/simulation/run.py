@@ -1,4 +1,4 @@
-"""Carry out a motion in the physics and measure it: the simulation of Sec. V, with PyBullet instead of OpenHRP."""
+"""Carry out a motion in the physics and measure it: the simulation of Sec. V, in another engine than OpenHRP."""
 
 from __future__ import annotations
 

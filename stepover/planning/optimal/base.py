@@ -16,11 +16,11 @@ from stepover.model.obstacle import Obstacle
 from stepover.model.parameters.optimal import Optimal
 from stepover.model.robot import Robot
 from stepover.motion.footsteps import LEG_1
-from stepover.planning.algorithm_1.beyond_paper import extra_shape, extra_zmp
+from stepover.planning.algorithm_1.beyond_paper import extra_zmp
 from stepover.planning.algorithm_1.com_waist import com_and_waist
 from stepover.planning.algorithm_1.dynamic_filter import filtered_waist
 from stepover.planning.algorithm_1.feasibility import KeyConfiguration
-from stepover.planning.algorithm_1.feet_trajectories import feet_trajectories
+from stepover.planning.algorithm_1.feet_trajectories import feet_trajectories, swing_shape
 from stepover.planning.algorithm_1.step_sequence import Crossing, Step, StepSequence, step_sequence
 from stepover.planning.algorithm_1.upper_body import with_arms
 from stepover.planning.optimal.channels import UPPER, euler, upper_joints
@@ -81,7 +81,7 @@ def base_motion(robot: Robot, obstacle: Obstacle, p: Optimal, leading: int = -1)
     key = KeyConfiguration(x_ads, robot.feasibility.delta_ds * x_ads, p.waist_height, yaw)
     low = dataclasses.replace(obstacle, height=min(obstacle.height, p.base_height))
     sequence = extra_zmp(robot, step_sequence(robot, low, key, robot.rest_zmp(), leading), 1)
-    feet = feet_trajectories(Crossing(robot, low, sequence), extra_shape(robot, 1))
+    feet = feet_trajectories(Crossing(robot, low, sequence), swing_shape(robot, late=0, leg_2_late=True))
     first = com_and_waist(robot, sequence, key)
     upper, waist = with_arms(robot, sequence, first.yaw, 0.0), first.waist
     for _ in range(PASSES):
