@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Sequence
 
 import numpy as np
@@ -75,7 +76,8 @@ def breaking(rows: Sequence[breaking_points.Outcome]) -> Figure:
             axis.plot(shown, 1.0 / (1.0 + np.exp((shown - middle) / width)), color=REFERENCE, lw=0.8)
         for share in (0.5, AIM):
             axis.axhline(share, color=REFERENCE, lw=0.5, ls=":")
-        axis.set(xlabel=f"{name} [{kind.unit}]" if kind.unit else name, xlim=(kind.begin, kind.end), ylim=(-0.06, 1.06))
+        label = textwrap.fill(f"{name} [{kind.unit}]" if kind.unit else name, 20)
+        axis.set(xlabel=label, xlim=(kind.begin, kind.end), ylim=(-0.06, 1.06))
         axis.set_yticks([0.0, 0.5, 1.0], ["fails", "50 %", "crosses"])
     return figure
 
