@@ -7,6 +7,7 @@ import itertools
 import json
 import subprocess
 import sys
+import types
 
 import numpy as np
 import pinocchio as pin
@@ -14,9 +15,10 @@ import pytest
 from conftest import HRP2, yaw_of
 
 from stepover import Infeasible, InvalidInput, Motion, Obstacle, load_robot, plan, quasi_static_plan
+from stepover.analysis.limits import with_authors_swing
 from stepover.model import pose
 from stepover.model.support import zmp_margin
-from stepover.planning.algorithm_1 import planner
+from stepover.planning.algorithm_1 import planner, search
 from stepover.planning.algorithm_1.feasibility import key_configurations
 from stepover.planning.algorithm_1.plan import Options
 from stepover.planning.algorithm_1.planner import algorithm_1, plan_in_detail
@@ -369,3 +371,40 @@ def test_a_refusal_says_how_far_it_is(coarse):
     assert shares == sorted(shares)
     assert 0.0 < shares[0] < 0.3
     assert 0.5 < shares[-1] <= 1.0
+
+
+def attempts_of(monkeypatch, robot, obstacle):
+    """How often Algorithm 1 is tried until it refuses an obstacle, and the refusal."""
+    attempts = []
+    monkeypatch.setattr(planner, "algorithm_1", lambda *args: attempts.append(args) or algorithm_1(*args))
+    with pytest.raises(Infeasible) as caught:
+        plan(robot, obstacle)
+    return len(attempts), caught.value
+
+
+def test_a_refusal_does_not_try_every_waist_and_says_the_same(robot, monkeypatch):
+    """Over a wide obstacle the ZMP is shorter of its margin under each lower waist."""
+    monkeypatch.setattr(planner, "_nearest", lambda *_: None)
+    early = with_authors_swing(robot)
+    count, refusal = attempts_of(monkeypatch, early, Obstacle(0.02, 0.2))
+    monkeypatch.setattr(search, "_no_better", lambda *_: False)
+    every, same = attempts_of(monkeypatch, early, Obstacle(0.02, 0.2))
+    assert count < every / 2
+    assert str(refusal) == str(same)
+
+
+def test_what_fails_as_the_robot_walks_is_refused_at_once(robot, monkeypatch):
+    """With its arm at its side the hand meets the thigh in every step, whatever the obstacle."""
+    angles = types.MappingProxyType({**robot.posture.angles_deg, "LARM_JOINT1": 0.0})
+    close = dataclasses.replace(robot, posture=dataclasses.replace(robot.posture, angles_deg=angles))
+    count, refusal = attempts_of(monkeypatch, close, Obstacle(0.05, 0.05))
+    assert (count, refusal.nearest, refusal.walking) == (1, None, True)
+    assert "LARM_LINK5 and LLEG_LINK2 meet" in str(refusal)
+
+
+def test_the_search_for_the_nearest_ends_after_its_attempts(robot, monkeypatch):
+    monkeypatch.setattr(planner, "SEARCH", 3)
+    count, refusal = attempts_of(monkeypatch, robot, Obstacle(0.3, 0.1))
+    unlimited = 40
+    assert count < unlimited
+    assert refusal.nearest is None or refusal.nearest.height < 0.3
