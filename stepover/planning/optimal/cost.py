@@ -13,7 +13,8 @@ import scipy.sparse as sp
 
 from stepover.motion.footsteps import LEG_1, LEG_2
 from stepover.planning.optimal.channels import SIDES, UPPER
-from stepover.planning.optimal.instants import Instants, Scene
+from stepover.planning.optimal.instants import Instants
+from stepover.planning.optimal.scene import Scene
 from stepover.planning.optimal.variables import Variables
 
 OF_ALL = 0.3

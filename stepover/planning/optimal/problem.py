@@ -24,7 +24,8 @@ from stepover.planning.optimal.constraints.reach import reach
 from stepover.planning.optimal.constraints.torque import torque
 from stepover.planning.optimal.constraints.waist import lean
 from stepover.planning.optimal.cost import Quadratic, centring, centring_by, quadratic
-from stepover.planning.optimal.instants import Instants, Scene
+from stepover.planning.optimal.instants import Instants
+from stepover.planning.optimal.scene import Scene
 from stepover.planning.optimal.variables import Variables
 
 GroupOf = Callable[[Instants], Group]

@@ -45,8 +45,9 @@ def minimise(
     `trust` is the first size of the trust region, in units of each variable's own.
     """
     p = problem.scene.parameters
-    here = problem.at(x)
-    for iteration in range(1, iterations + 1):  # noqa: B007
+    here, iteration, done = problem.at(x), 0, False
+    while not done and iteration < iterations:
+        iteration += 1
         step, promised = _step(here, trust * problem.variables.sizes, p.penalty)
         there = problem.at(here.x + step)
         merit = _merit(here, p.penalty)
@@ -58,8 +59,7 @@ def minimise(
             look(here)
         left = (0.05 if kept else 0.2) * merit
         stuck = promised < STUCK * merit and here.worst.value >= tolerance
-        if (here.worst.value < tolerance and promised < left) or trust < SMALLEST or stuck:
-            break
+        done = (here.worst.value < tolerance and promised < left) or trust < SMALLEST or stuck
     return Solution(here, iteration)
 
 

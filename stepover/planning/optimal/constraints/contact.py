@@ -15,7 +15,8 @@ from scipy.spatial import ConvexHull
 from stepover.model.gravity import GRAVITY
 from stepover.planning.optimal.channels import SIDES, of_sole
 from stepover.planning.optimal.constraints.group import Group, Local
-from stepover.planning.optimal.instants import Instants, Scene
+from stepover.planning.optimal.instants import Instants
+from stepover.planning.optimal.scene import Scene
 
 LENGTH, FORCE, MOMENT = 0.03, 1.0, 30.0
 """Violations that count as 1: of the ZMP [m], of forces over the weight, of the moment [N m]."""

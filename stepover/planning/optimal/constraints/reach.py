@@ -10,7 +10,8 @@ import numpy as np
 
 from stepover.planning.optimal.channels import SIDES, hip_to_ankle
 from stepover.planning.optimal.constraints.group import Group, Local
-from stepover.planning.optimal.instants import Instants, Scene
+from stepover.planning.optimal.instants import Instants
+from stepover.planning.optimal.scene import Scene
 
 LENGTH = 0.02
 """Violation [m] that counts as 1."""

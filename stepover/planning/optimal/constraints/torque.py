@@ -11,7 +11,8 @@ import numpy as np
 
 from stepover.planning.optimal.constraints.group import Group, Local
 from stepover.planning.optimal.constraints.sharing import shared_torques
-from stepover.planning.optimal.instants import Instants, Probe, Scene
+from stepover.planning.optimal.instants import Instants, Probe
+from stepover.planning.optimal.scene import Scene
 
 DIFFERENCE = 1e-6
 """Step of the differences by q, v and a in double support."""
