@@ -24,7 +24,7 @@ from stepover.planning.checks import measure
 from stepover.planning.quasi_static.planner import quasi_static_in_detail
 from stepover.simulation.run import simulate
 from stepover.studies.agreement import CLOSE, NO, agreement
-from stepover.studies.study import Row, make_table, read_rows, robot_of, rounded, stored_table
+from stepover.studies.study import ENGINE, Row, make_table, read_rows, robot_of, rounded, stored_table
 
 NAME = "strategies"
 HEIGHTS = tuple(round(0.05 + 0.01 * k, 2) for k in range(23))
@@ -75,6 +75,7 @@ class Crossed:
         zmp_rms: simulated ZMP against its plan [m].
         waist_error: largest distance of the waist from its planned place [m].
         knee_torque: largest torque of a knee in the physics, a mean over 5 ms [N m].
+        engine: of the physics.
         reason: why there is no plan, or why the robot did not cross.
     """
 
@@ -101,6 +102,7 @@ class Crossed:
     zmp_rms: float | None = None
     waist_error: float | None = None
     knee_torque: float | None = None
+    engine: str = ENGINE
     reason: str = ""
 
 
@@ -129,7 +131,7 @@ def cross(point: Point) -> Row:
         motion=motion.hash(),
     )  # fmt: skip
     if point.physics:
-        run = simulate(motion, robot=robot)
+        run = simulate(motion, robot=robot, engine=ENGINE)
         knees = run.series.torque[:, [robot.body.column(knee) - 7 for knee in robot.legs.knee]]
         row = dataclasses.replace(
             row, crossed=run.crossed, simulated_clearance=rounded(run.clearance_min),
