@@ -410,7 +410,7 @@ def test_the_table_says_what_the_notebook_says(stored):
     assert fits[BASES[1], f"{LONG:g}"][0] == "1"
     assert fits[FITTED, f"{SHORT:g}"][0] == "3"
     assert fits[BASES[1], f"{LONG:g}"][1] <= 10.0
-    assert fits[FITTED, f"{SHORT:g}"][1] <= 10.0
+    assert 10.0 < fits[FITTED, f"{SHORT:g}"][1] <= 20.0, "nearest on rubber, but the naive landing is too soft"
     for swing in landing_study.SWINGS:
         plain, held = (at(stored, Point(name, *swing)) for name in (BASES[0], "rubber, landing control"))
         assert (held.touch_down < plain.touch_down) == (swing[1] == LONG)

@@ -37,6 +37,10 @@ INDEPENDENT = "cli", "__main__.py"
 class SiteFailed(StepOverError):
     """Sphinx gave a warning, or a link is broken. The message names each, one per line."""
 
+    def __init__(self, message: str) -> None:
+        """Keep all lines: one for each page or link."""
+        Exception.__init__(self, message)
+
     exit_code = 1
 
 
