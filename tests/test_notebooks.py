@@ -61,6 +61,7 @@ WHATEVER_THE_HEIGHT = {
     "timing": "Sec. V's",
     "step-over-time": "Sec. V's timing",
     "clearance-15": "the path is laid so far above the margin, however high that is",
+    "margin-25": "ideal motors keep the plan's clearance to 0.1 mm, and the plan keeps 33 mm over any height",
     "ubmg-waist-shift": "the arms as far back as they may go",
     "fta-lift": "no foot is lifted",
     "upper-body-mass": "the robot's",

@@ -66,9 +66,9 @@ def test_what_depends_on_the_engine_is_said(both):
         for row in both
     ]
     before, after = ({line[0]: line[1:] for line in tables.statements_table(some).rows} for some in (both, rows))
-    assert before["25 cm crosses, ideal motors"] == ("yes", "yes", "no")
-    assert after["25 cm crosses, ideal motors"] == ("yes", "no", "**yes**")
-    assert after["15 cm crosses, ideal motors"] == ("yes", "yes", "no")
+    assert before["25 cm crosses, ideal motors"] == ("true", "true", "")
+    assert after["25 cm crosses, ideal motors"] == ("true", "false", "**yes**")
+    assert after["15 cm crosses, ideal motors"] == ("true", "true", "")
 
 
 @pytest.mark.parametrize("kind", breaking.KINDS)
