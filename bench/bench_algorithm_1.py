@@ -13,12 +13,12 @@ from prepared import HIGHER, WIDTH, ready
 
 from stepover.model.body import _pool as rigid_joints
 from stepover.model.obstacle import Obstacle
-from stepover.planning.algorithm_1.beyond_paper import extra_shape, extra_zmp, waist_delay
+from stepover.planning.algorithm_1.beyond_paper import extra_zmp, waist_delay
 from stepover.planning.algorithm_1.com_waist import com_and_waist
 from stepover.planning.algorithm_1.dynamic_filter import filtered_waist
 from stepover.planning.algorithm_1.feasibility import key_configurations
 from stepover.planning.algorithm_1.feet_adaptor import adapt_feet
-from stepover.planning.algorithm_1.feet_trajectories import feet_trajectories
+from stepover.planning.algorithm_1.feet_trajectories import feet_trajectories, swing_shape
 from stepover.planning.algorithm_1.planner import plan_in_detail, whole_body
 from stepover.planning.algorithm_1.step_sequence import Crossing, step_sequence
 from stepover.planning.algorithm_1.upper_body import upper_body
@@ -92,7 +92,7 @@ def test_steps_and_feet(measure, robot, height):
     def call(at):
         level = at.plan.options.level
         sequence = extra_zmp(robot, step_sequence(robot, at.obstacle, at.plan.key, robot.rest_zmp()), level)
-        feet_trajectories(Crossing(robot, at.obstacle, sequence), extra_shape(robot, level))
+        feet_trajectories(Crossing(robot, at.obstacle, sequence), swing_shape(robot, 0, leg_2_late=level > 0))
 
     unit(measure, height, "2 FTG", call)
 
