@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from stepover import Course, InvalidInput, Motion, Obstacle, plan, quasi_static_plan
+from stepover import Course, InvalidInput, Motion, Obstacle, optimal_plan, plan, quasi_static_plan
 from stepover.cli import main
 from stepover.planning.checks import require
 from stepover.planning.planner import PLANNERS, find_planner
@@ -24,10 +24,11 @@ def toy(monkeypatch):
     monkeypatch.setitem(PLANNERS, "toy", "toy_planner:stand_still")
 
 
-def test_both_planners_are_found_by_name():
+def test_all_planners_are_found_by_name():
     assert find_planner("paper") is plan
     assert find_planner("quasi-static") is quasi_static_plan
-    with pytest.raises(InvalidInput, match="unknown planner 'best': known are paper, quasi-static"):
+    assert find_planner("optimal") is optimal_plan
+    with pytest.raises(InvalidInput, match="unknown planner 'best': known are paper, optimal, quasi-static"):
         find_planner("best")
 
 
