@@ -1,7 +1,7 @@
 """The quadratic program of one iteration, solved by PIQP (Schwan et al., CDC 2023): the one door to that library.
 
 minimise   1/2 d' H d + g' d + rho sum(s) + mu/2 s' s   over d, s
-subject to J d + c <= s,  s >= 0,  |d| <= t
+subject to J d + c <= s,  s >= 0,  abs(d) <= t
 
 The slacks s make it solvable whatever the constraints are: what cannot be kept costs rho for each unit.
 """

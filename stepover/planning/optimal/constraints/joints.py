@@ -1,4 +1,4 @@
-"""Joint limits and joint speeds: q_min + s <= q <= q_max - s and |dq/dt| <= r dq_max, from the robot's URDF.
+"""Joint limits and joint speeds: q_min + s <= q <= q_max - s and abs(dq/dt) <= r dq_max, from the robot's URDF.
 
 The knees' own lower limit is left to the length of the leg (reach.py), which has no singularity.
 """

@@ -1,4 +1,4 @@
-"""Joint torques: |tau - sum J' w| <= r tau_max.
+"""Joint torques: abs(tau - sum J' w) <= r tau_max.
 
 Inverse dynamics by RNEA (Featherstone, Rigid Body Dynamics Algorithms, ch. 5), its derivatives after Carpentier and
 Mansard, RSS 2018, by pinocchio. In single support the whole wrench w of the floor is on the bearing foot. In double
