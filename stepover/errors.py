@@ -54,7 +54,7 @@ class Infeasible(StepOverError):
         constraint: what cannot be met, by how much, and when.
         nearest: the nearest obstacle that can be stepped over, where one was looked for.
         short: what is missing, where that is a length [m]; infinity where it is not.
-        walking: whether it happens in a normal step, so that no other obstacle helps.
+        walking: whether it happens as the robot walks, before or after the obstacle, so that no other one helps.
     """
 
     def __init__(

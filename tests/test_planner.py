@@ -402,9 +402,12 @@ def test_what_fails_as_the_robot_walks_is_refused_at_once(robot, monkeypatch):
     assert "LARM_LINK5 and LLEG_LINK2 meet" in str(refusal)
 
 
-def test_the_search_for_the_nearest_ends_after_its_attempts(robot, monkeypatch):
-    monkeypatch.setattr(planner, "SEARCH", 3)
+@pytest.mark.parametrize("most", [0, 3])
+def test_the_search_for_the_nearest_ends_after_its_attempts(robot, monkeypatch, most):
+    with monkeypatch.context() as without:
+        without.setattr(planner, "_nearest", lambda *_: None)
+        alone, _ = attempts_of(without, robot, Obstacle(0.3, 0.1))
+    monkeypatch.setattr(planner, "SEARCH", most)
     count, refusal = attempts_of(monkeypatch, robot, Obstacle(0.3, 0.1))
-    unlimited = 40
-    assert count < unlimited
-    assert refusal.nearest is None or refusal.nearest.height < 0.3
+    assert count == alone + most
+    assert (refusal.nearest is None) == (most == 0)
