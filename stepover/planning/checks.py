@@ -176,13 +176,15 @@ def _is_walking(motion: Motion, found: Finding) -> bool:
 
     The step before the obstacle brings the waist down for it, which may cost reach or balance, but moves no arm.
     """
+    if found.check.startswith(OBSTACLE):
+        return False
     steps = motion.footsteps
     kinds = steps.kind[steps.time >= found.time - 1e-9][:1]
     before = motion.has_phases and found.time < motion.time[motion.samples(1).start]
     return NORMAL in kinds or (before and found.check == SELF_COLLISION)
 
 
-ZMP, SELF_COLLISION = "ZMP", "self-collision"
+ZMP, SELF_COLLISION, OBSTACLE = "ZMP", "self-collision", "obstacle"
 
 
 def _must_keep(
@@ -233,7 +235,7 @@ def _least(
 
 def _named(motion: Motion, number: int) -> str:
     """An obstacle in words: by its number, from 1, where there are several."""
-    return "obstacle" if len(motion.obstacles) == 1 else f"obstacle {number + 1}"
+    return OBSTACLE if len(motion.obstacles) == 1 else f"{OBSTACLE} {number + 1}"
 
 
 def _nearest(robot: Robot, motion: Motion, placements: Placements) -> Clearance:
