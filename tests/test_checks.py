@@ -12,7 +12,8 @@ import pytest
 from stepover import Infeasible, InvalidInput, Obstacle
 from stepover.model import pose
 from stepover.motion.motion import obstacle_row
-from stepover.planning.checks import _nearest, check, measure, require
+from stepover.planning.checks import check, require
+from stepover.planning.measures import _nearest, measure
 
 
 def tampered(motion, **arrays):

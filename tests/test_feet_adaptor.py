@@ -23,8 +23,8 @@ from stepover.planning.algorithm_1.shift_and_raise import (
     waist_bump,
 )
 from stepover.planning.algorithm_1.step_sequence import Crossing, step_sequence
-from stepover.planning.checks import measure
 from stepover.planning.leg_check import LegLimits, check_legs
+from stepover.planning.measures import measure
 from stepover.planning.trajectories import WaistAndFeet
 
 

@@ -31,7 +31,8 @@ from stepover.errors import InvalidInput
 from stepover.model.pose import pose
 from stepover.motion.footsteps import LEG_1
 from stepover.planning.algorithm_1.feet_trajectories import Swing, fourth_order
-from stepover.planning.checks import measure, require
+from stepover.planning.checks import require
+from stepover.planning.measures import measure
 from stepover.report.tables import landing as landing_tables
 from stepover.report.tables.landing import PAPER_NAIVE, PAPER_SHAPED, nearest_pairs, pair
 from stepover.reproduction.claims import read_claims

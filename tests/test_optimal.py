@@ -16,7 +16,8 @@ from stepover.model.obstacle import Obstacle
 from stepover.model.parameters.optimal import Optimal
 from stepover.model.self_collision import self_clearance
 from stepover.motion.footsteps import LEG_1, LEG_2
-from stepover.planning.checks import check, measure
+from stepover.planning.checks import check
+from stepover.planning.measures import measure
 from stepover.planning.optimal import search
 from stepover.planning.optimal.constraints.own_links import thigh_pairs
 from stepover.planning.optimal.planner import optimal_in_detail, optimal_plan

@@ -22,7 +22,7 @@ from stepover.planning.algorithm_1 import planner, search
 from stepover.planning.algorithm_1.feasibility import key_configurations
 from stepover.planning.algorithm_1.plan import Options
 from stepover.planning.algorithm_1.planner import algorithm_1, plan_in_detail
-from stepover.planning.checks import measure
+from stepover.planning.measures import measure
 
 CORNERS = [(height, width) for height in (0.05, 0.15) for width in (0.02, 0.08)]
 BETWEEN = [(0.12, 0.05), *np.random.default_rng(15).uniform([0.05, 0.02], [0.15, 0.08], (3, 2)).round(3).tolist()]

@@ -14,8 +14,9 @@ import stepover
 from stepover import Infeasible, InvalidInput, Motion, Obstacle
 from stepover.model.gravity import GRAVITY
 from stepover.model.support import zmp_margin
-from stepover.planning.checks import measure, require
+from stepover.planning.checks import require
 from stepover.planning.leg_check import check_legs
+from stepover.planning.measures import measure
 from stepover.planning.quasi_static import search as quasi_static_search
 from stepover.planning.quasi_static.balance import Targets, balanced, joined
 from stepover.planning.quasi_static.path import (

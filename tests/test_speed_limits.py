@@ -14,7 +14,8 @@ from stepover.planning.algorithm_1.beyond_paper import extra_zmp, waist_delay
 from stepover.planning.algorithm_1.com_waist import com_and_waist
 from stepover.planning.algorithm_1.planner import plan_in_detail
 from stepover.planning.algorithm_1.step_sequence import step_sequence
-from stepover.planning.checks import measure, require, require_speeds
+from stepover.planning.checks import require, require_speeds
+from stepover.planning.measures import measure
 
 HEIGHTS = (0.15, 0.20, 0.22, 0.24, 0.25)
 

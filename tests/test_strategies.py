@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from stepover.analysis.strategies import compared, moments, paper_marks, spans, strategy
-from stepover.planning.checks import measure
+from stepover.planning.measures import measure
 from stepover.planning.quasi_static.planner import quasi_static_in_detail
 
 

@@ -17,7 +17,7 @@ from stepover.model.robot import Robot
 from stepover.motion.footsteps import LEG_1
 from stepover.planning.algorithm_1.plan import Plan
 from stepover.planning.algorithm_1.planner import plan_in_detail
-from stepover.planning.checks import speed_ratio
+from stepover.planning.measures import speed_ratio
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from stepover.model.obstacle import Obstacle
 from stepover.model.robot import Robot
 from stepover.motion.motion import Motion
 from stepover.planning.algorithm_1.plan import Plan
-from stepover.planning.checks import measure
+from stepover.planning.measures import measure
 from stepover.planning.quasi_static.planner import QuasiStaticPlan
 
 if TYPE_CHECKING:

@@ -20,7 +20,7 @@ from stepover.model.obstacle import Obstacle
 from stepover.model.robot import Robot
 from stepover.motion.motion import Motion
 from stepover.planning.algorithm_1.planner import plan_in_detail
-from stepover.planning.checks import measure
+from stepover.planning.measures import measure
 from stepover.planning.quasi_static.planner import quasi_static_in_detail
 from stepover.simulation.run import simulate
 from stepover.studies.agreement import CLOSE, NO, agreement

@@ -21,7 +21,7 @@ from stepover.model.robot import Robot
 from stepover.motion.motion import Motion
 from stepover.planning.algorithm_1.plan import Plan
 from stepover.planning.algorithm_1.planner import plan_in_detail
-from stepover.planning.checks import measure
+from stepover.planning.measures import measure
 from stepover.planning.planner import find_planner
 from stepover.simulation.engine import DEFAULT
 from stepover.studies.study import Row, make_table, read_rows, robot_of, rounded

@@ -13,7 +13,7 @@ from stepover.model.obstacle import Obstacle
 from stepover.model.robot import Robot
 from stepover.motion.footsteps import LEG_1, LEG_2
 from stepover.planning.algorithm_1.plan import Plan
-from stepover.planning.checks import Measures, measure
+from stepover.planning.measures import Measures, measure
 from stepover.report.figures.adapted import draw_obstacle, leg_links
 from stepover.report.figures.planned import support_span
 from stepover.report.figures.simulated import EVERY, SHOWN, clearance_over_time

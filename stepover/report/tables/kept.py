@@ -10,7 +10,7 @@ from stepover.model.parameters.planning import samples
 from stepover.model.robot import Robot
 from stepover.model.self_collision import self_clearance
 from stepover.planning.algorithm_1.plan import Plan
-from stepover.planning.checks import measure
+from stepover.planning.measures import measure
 from stepover.report.tables.table import Table, table
 
 
