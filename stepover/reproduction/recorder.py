@@ -15,6 +15,7 @@ from stepover.errors import InvalidInput
 from stepover.output import write_whole
 from stepover.report.tables.table import Table, table
 from stepover.reproduction.claims import DIFFERS, HOLDS, UNTESTED, VERDICTS, read_claims
+from stepover.simulation.engine import NAMES
 
 SUFFIX = ".claims.json"
 """Ending of the name of a record file."""
@@ -64,7 +65,7 @@ class Recorder:
         each = {engine: HOLDS if one.holds(value) else DIFFERS for engine, value in values.items()}
         value, found = next(iter(values.values())), verdict or max(each.values(), key=VERDICTS.index)
         if len(set(each.values())) > 1 and not verdict:
-            said = ", ".join(f"{said} in {engine}" for engine, said in each.items())
+            said = ", ".join(f"{said} in {NAMES[engine]}" for engine, said in each.items())
             reason = f"{reason}; the engines disagree: {said}" if reason else f"the engines disagree: {said}"
         if found not in VERDICTS or (found == UNTESTED and not reason):
             raise InvalidInput(f"claim {claim!r}: verdict {found!r} must be one of {', '.join(VERDICTS)}, "
@@ -123,7 +124,7 @@ def in_engines(row: Mapping[str, Any], unit: str) -> str:
     values = {engine: shown(one["measured"], unit) for engine, one in row.get("engines", {}).items()}
     if len(set(values.values())) < 2:
         return shown(row["measured"], unit)
-    return ", ".join(f"{value} ({engine})" for engine, value in values.items())
+    return ", ".join(f"{value} ({NAMES[engine]})" for engine, value in values.items())
 
 
 def shown(value: Any, unit: str = "") -> str:

@@ -19,6 +19,8 @@ from stepover.simulation.disturbances import NONE, Disturbances
 
 FLOOR, NO_FOOT = -1, -1
 """What Contacts.touched and Contacts.foot say of the floor, and of a link that is no foot."""
+NAMES = {"pybullet": "PyBullet", "mujoco": "MuJoCo"}
+"""What the engines are called where people read."""
 DEFAULT = "pybullet"
 """The engine of the paper's cases."""
 _HOMES = {

@@ -20,6 +20,8 @@ from stepover.planning.checks import ZMP
 
 Attempt = Callable[[KeyConfiguration, Options], Plan]
 """Plans with a key configuration and options, or raises Infeasible."""
+Broken = defaultdict[str, list[tuple[KeyConfiguration, float]]]
+"""By the limit, the key configurations that broke it, and by how much."""
 LEAN = 0.6
 """How far a leg leans where it reaches furthest: hip to ankle ahead over hip to ankle down. It is 0.5 to 0.7 for
 obstacles of 20 to 25 cm. Under 20 cm hardly any attempt fails for want of reach."""
@@ -81,17 +83,13 @@ def _first_key(
 ) -> tuple[Plan | None, list[Infeasible]]:
     """The plan for the first key configuration that works, or for any of them, or None; and why others do not.
 
-    A failed attempt rules others out. Where a sole is out of reach by some length, the waist must be lower by more.
-    Where FTA cannot free the trailing leg, that is for want of reach as well, so the waist must be lower. A longer step
-    needs a lower waist still. So where FTA fails, the next step length waits for the one after it, which may rule it
-    out. Where a lower waist or a longer step breaks the same limit as before, and by hardly less, one that is lower and
-    longer does not mend it: the ZMP's after one such attempt, another limit after several, since it may depend on how
-    FTA frees the leg. What fails as the robot walks fails with every key configuration.
+    A failed attempt rules others out. Where FTA fails, the next step length waits for the one after it, which may rule
+    it out. What fails as the robot walks fails with every key configuration.
     """
     apart = robot.feasibility.step_length_more_step
     left = [key for key in keys if _is_whole((key.x_ads - keys[0].x_ads) / apart)]
     found, errors, beyond = None, [], 0.0
-    broken: defaultdict[str, list[tuple[KeyConfiguration, float]]] = defaultdict(list)
+    broken: Broken = defaultdict(list)
     while left:
         key = next((key for key in left if key.x_ads > beyond), left[0])
         before, beyond = left[: left.index(key)], 0.0
@@ -105,17 +103,33 @@ def _first_key(
             error.forget_frames()
             errors.append(error)
             left.remove(key)
-            if isinstance(error, (OutOfReach, TrailingLegBlocked)):
-                lower = np.hypot(1.0, LEAN) * error.short if isinstance(error, OutOfReach) else 0.0
-                left = [other for other in left if _demand(other) < _demand(key) - lower]
-            if isinstance(error, LimitBroken):
-                worse = sum(_no_better(key, error.excess, *one) for one in broken[error.limit])
-                if worse >= (1 if error.limit.startswith(ZMP) else SEVERAL):
-                    left = [other for other in left if other.x_ads < key.x_ads or other.z_hds > key.z_hds]
-                broken[error.limit].append((key, error.excess))
+            left = _not_ruled_out(left, key, error, broken)
             if isinstance(error, TrailingLegBlocked):
                 beyond = key.x_ads + 1.5 * apart
     return found, errors
+
+
+def _not_ruled_out(
+    left: list[KeyConfiguration], key: KeyConfiguration, error: Infeasible, broken: Broken
+) -> list[KeyConfiguration]:
+    """Those of some key configurations that may work although one of them failed.
+
+    Where a sole is out of reach by some length, the waist must be lower by more. Where FTA cannot free the trailing
+    leg, that is for want of reach as well, so the waist must be lower. A longer step needs a lower waist still.
+
+    Where a lower waist or a longer step breaks the same limit as before, and by hardly less, one that is lower and
+    longer does not mend it: the ZMP's after one such attempt, another limit after several, since it may depend on how
+    FTA frees the leg.
+    """
+    if isinstance(error, (OutOfReach, TrailingLegBlocked)):
+        lower = np.hypot(1.0, LEAN) * error.short if isinstance(error, OutOfReach) else 0.0
+        return [other for other in left if _demand(other) < _demand(key) - lower]
+    if isinstance(error, LimitBroken):
+        worse = sum(_no_better(key, error.excess, *one) for one in broken[error.limit])
+        broken[error.limit].append((key, error.excess))
+        if worse >= (1 if error.limit.startswith(ZMP) else SEVERAL):
+            return [other for other in left if other.x_ads < key.x_ads or other.z_hds > key.z_hds]
+    return left
 
 
 def _no_better(key: KeyConfiguration, excess: float, before: KeyConfiguration, excess_before: float) -> bool:

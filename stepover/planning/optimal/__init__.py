@@ -4,8 +4,8 @@ minimise over x
     1/2 |accelerations of all channels|^2 + 1/2 |deviations from a base motion|^2
     + 1/2 |ZMP off the middle of the sole|^2 + 1/2 |moment about the vertical|^2
 subject to, at all samples of 5 ms,
-    q_min <= q <= q_max, abs(dq/dt) <= r_v dq_max                        constraints/joints.py
-    abs(RNEA(q, dq/dt, d2q/dt2) - sum J' w) <= r_t tau_max               constraints/torque.py, sharing.py
+    q_min <= q <= q_max, abs(dq/dt) <= r_v dq_max                     constraints/joints.py
+    abs(RNEA(q, dq/dt, d2q/dt2) - sum J' w) <= r_t tau_max            constraints/torque.py, sharing.py
     hip to ankle <= length of a leg with a bent knee                  constraints/reach.py
     ZMP inside the soles, friction, vertical force, yaw moment        constraints/contact.py
     distance of all links from the obstacle with its margins >= 0     constraints/obstacle.py

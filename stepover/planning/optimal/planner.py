@@ -94,8 +94,7 @@ def optimal_in_detail(
     search = Search.of(robot, obstacle, leading, progress)
     found = search.run(obstacle)
     if found.worst.value > p.tolerance:
-        nearest = search.nearest(obstacle) if look_for_nearest else None
-        raise Infeasible(refusal(found), nearest.problem.scene.obstacle if nearest else None)
+        raise Infeasible(refusal(found), _nearest(search, obstacle) if look_for_nearest else None)
     motion = motion_of(search, found)
     torque, apart = check(robot, motion)
     return OptimalPlan(motion, tuple(search.attempts), torque, apart, clock.perf_counter() - start)
@@ -118,6 +117,18 @@ def check(robot: Robot, motion: Motion) -> tuple[TorqueRatio, float]:
     if apart <= 0.0:
         raise Infeasible(f"{one} and {other} meet at t = {motion.time[sample]:.3f} s")
     return torque, apart
+
+
+def _nearest(search: Search, obstacle: Obstacle) -> Obstacle | None:
+    """An obstacle near to one that cannot be crossed, whose motion passes all checks; None if none is found."""
+    found = search.nearest(obstacle)
+    if found is None:
+        return None
+    try:
+        check(search.channels.robot, motion_of(search, found))
+    except Infeasible:
+        return None
+    return found.problem.scene.obstacle
 
 
 def refusal(found: Evaluation) -> str:

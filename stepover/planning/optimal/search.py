@@ -177,9 +177,9 @@ class Search:
         tolerance = self.parameters.tolerance if more is not None else NEAR
         trust = self.parameters.trust if more is None else AGAIN
         found, iterations = minimise(problem, x, tolerance, most or self.parameters.iterations, trust, look)
-        worst, count = found.worst, len(problem.scene.samples)
+        worst, samples = found.worst, len(problem.scene.samples)
         named = f"{worst.group.name}: {worst.group.parts[worst.column]}"
-        self.attempts.append(Attempt(obstacle.height, obstacle.width, start, count, iterations, worst.value, named))
+        self.attempts.append(Attempt(obstacle.height, obstacle.width, start, samples, iterations, worst.value, named))
         return found
 
 

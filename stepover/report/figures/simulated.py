@@ -8,7 +8,6 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from matplotlib.figure import Figure
 
-from stepover.extras import NAMES
 from stepover.model.collision import exact_distance, separation
 from stepover.model.gravity import GRAVITY
 from stepover.model.robot import Robot
@@ -28,6 +27,7 @@ from stepover.report.figures.style import (
     styled,
     time_axis,
 )
+from stepover.simulation.engine import NAMES
 from stepover.simulation.measurements import Run
 
 BEFORE_FAILURE, AFTER_FAILURE = 1.0, 0.2
@@ -188,7 +188,7 @@ def two_engines(runs: Mapping[str, Mapping[str, Run]]) -> Figure:
             force = getattr(series, f"{foot}_wrench")[:, 2]
             curves = 1e3 * series.zmp_error[:, 0], 1e3 * series.waist_error, force, 1e3 * series.clearance
             for axis, curve in zip(column, curves, strict=True):
-                axis.plot(series.time, curve, label=NAMES.get(engine, engine), **look)
+                axis.plot(series.time, curve, label=NAMES[engine], **look)
         column[0].set_title(equipment)
         column[3].set_ylim(0.0, 1e3 * SHOWN / 2.0)
         time_axis(column, motion, names="")

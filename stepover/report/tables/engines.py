@@ -7,11 +7,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from stepover.report.tables.table import Table, table
+from stepover.simulation.engine import NAMES
 from stepover.simulation.measurements import Run
 from stepover.studies.engines import convergence, samples
-
-SAID = {"pybullet": "PyBullet", "mujoco": "MuJoCo"}
-"""How the engines call themselves."""
 
 
 def runs_table(runs: Mapping[str, Mapping[str, Run]]) -> Table:
@@ -19,7 +17,7 @@ def runs_table(runs: Mapping[str, Mapping[str, Run]]) -> Table:
     header, columns = ["quantity"], []
     for equipment, each in runs.items():
         for engine, run in each.items():
-            header.append(f"{equipment}, {SAID[engine]}")
+            header.append(f"{equipment}, {NAMES[engine]}")
             columns.append(_numbers(run))
     names = [name for name, _ in columns[0]]
     return table(" | ".join(header), [(name, *(column[k][1] for column in columns)) for k, name in enumerate(names)])
@@ -88,7 +86,7 @@ def convergence_table(rows: Sequence[convergence.Outcome], equipment: str) -> Ta
                 zmp = f"{1e3 * row.zmp_rms_x:.1f}, {1e3 * row.zmp_rms_y:.1f}"
                 landing = f"{row.landing_first:.0f}, {row.landing_second:.0f}"
                 cells = f"{1e3 * row.clearance:.1f}", zmp, f"{1e3 * row.waist_error:.2f}", landing
-                lines.append((SAID[engine], setting, f"{row.value:g}", *cells))
+                lines.append((NAMES[engine], setting, f"{row.value:g}", *cells))
     return table(
         "engine | setting | value | clearance [mm] | ZMP error, rms [mm] | waist error [mm] | landing forces [N]", lines
     )
