@@ -155,14 +155,17 @@ class TestRecorder:
 
     def test_a_claim_holds_if_it_holds_in_every_engine(self, known, tmp_path):
         judged = Recorder("good", tmp_path, known)
-        judged.record("one", {"here": 1.0, "there": 1.05})
-        judged.record("two", {"here": 1.2, "there": 0.9}, "it is close")
+        judged.record("one", {"pybullet": 1.0, "mujoco": 1.05})
+        judged.record("two", {"pybullet": 1.2, "mujoco": 0.9}, "it is close")
         first, second = judged.records.values()
         assert (first["measured"], first["verdict"], first["reason"]) == (1.0, "holds", "")
-        assert first["engines"]["there"] == {"measured": 1.05, "verdict": "holds"}
+        assert first["engines"]["mujoco"] == {"measured": 1.05, "verdict": "holds"}
         assert (second["measured"], second["verdict"]) == (1.2, "differs")
-        assert second["reason"] == "it is close; the engines disagree: holds in here, differs in there"
-        assert [row[2] for row in judged.table().rows] == ["1 (here), 1.05 (there)", "1.2 (here), 0.9 (there)"]
+        assert second["reason"] == "it is close; the engines disagree: holds in PyBullet, differs in MuJoCo"
+        assert [row[2] for row in judged.table().rows] == [
+            "1 (PyBullet), 1.05 (MuJoCo)",
+            "1.2 (PyBullet), 0.9 (MuJoCo)",
+        ]
 
     def test_no_number_is_null_and_differs(self, known, tmp_path):
         Recorder("good", tmp_path, known).record("one", math.nan)
