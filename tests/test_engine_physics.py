@@ -6,13 +6,15 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 from scipy.special import ellipk
 
 from stepover.model.body import Body
-from stepover.model.description.links import BOX, ORIGIN, Description, Hinge, Inertia, Link, Place, Solid
+from stepover.model.description.corners import corners_of
+from stepover.model.description.links import BOX, ORIGIN, SPHERE, Description, Hinge, Inertia, Link, Place, Solid
 from stepover.model.gravity import GRAVITY
 from stepover.model.parameters.physics import Servo, Simulation, SoleRubber
 from stepover.model.robot import Robot
@@ -34,12 +36,24 @@ def engine(request: pytest.FixtureRequest) -> str:
     return str(request.param)
 
 
-def toy(axis: tuple[float, float, float] = (0.0, 1.0, 0.0), servo: Servo | None = None) -> SimpleNamespace:
-    """A box with a pendulum on each side, which hangs at angle 0; as much of a robot as an engine needs."""
+def toy(
+    axis: tuple[float, float, float] = (0.0, 1.0, 0.0), servo: Servo | None = None, balls: bool = False
+) -> SimpleNamespace:
+    """A box with a pendulum on each side, which hangs at angle 0; as much of a robot as an engine needs.
+
+    With balls, it stands on four of them, at its lower corners, instead of its underside.
+    """
     ball, half = BASE * SIDE**2 / 6.0, SIDE / 2.0
     corners = half * np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
     box = Solid(BOX, (SIDE, SIDE, SIDE), ORIGIN, corners, "box")
-    links = [Link("base", Inertia(BASE, np.zeros(3), ball * np.eye(3)), (box,))]
+    solids = [box]
+    if balls:
+        radius = 0.05
+        raised = corners[corners[:, 2] < 0.0] + [0.0, 0.0, radius]
+        solids = [
+            Solid(SPHERE, (radius,), Place(np.eye(3), place), corners_of(SPHERE, (radius,)), "ball") for place in raised
+        ]
+    links = [Link("base", Inertia(BASE, np.zeros(3), ball * np.eye(3)), tuple(solids))]
     joints = []
     for name, y in (("left", 1.0), ("right", -1.0)):
         place = Place(np.eye(3), np.array([0.0, y * (half + 0.1), half]))
@@ -58,7 +72,7 @@ def toy(axis: tuple[float, float, float] = (0.0, 1.0, 0.0), servo: Servo | None 
 
 @contextmanager
 def world(
-    name: str, robot: SimpleNamespace | Robot, height: float, disturbances: Disturbances = NONE, **how: str
+    name: str, robot: SimpleNamespace | Robot, height: float, disturbances: Disturbances = NONE, **how: Any
 ) -> Iterator[Engine]:
     """A world with the toy at rest, its box's underside at a height [m]; or a robot at its half-sitting."""
     q = np.zeros(7 + len(robot.body.joint_names))
@@ -105,6 +119,20 @@ def test_a_box_falls_and_lies(engine: str) -> None:
         np.testing.assert_allclose(force, [0.0, 0.0, TOY_MASS * GRAVITY], rtol=2e-3, atol=0.5)
         assert abs(falling.base_pose()[2] - SIDE / 2.0) < 1e-3
         assert not falling.joints()[1].any() or np.abs(falling.joints()[1]).max() < 1e-2
+
+
+@pytest.mark.parametrize("balls", [False, True], ids=["on its face", "on balls"])
+def test_an_obstacle_pushes_up_whatever_lies_on_it(engine: str, balls: bool) -> None:
+    """A box on a beam and balls on a beam: in MuJoCo's pairs, the ball comes before the beam, the box after it."""
+    beam = np.array([-1.0, 2.0, 0.3])
+    with world(engine, toy(balls=balls), 0.3, obstacles=(beam,)) as lying:
+        hold(lying, 0.5)
+        lying.contacts()
+        hold(lying, 0.5)
+        contacts = lying.contacts()
+        assert (contacts.touched == 0).all()
+        np.testing.assert_allclose(contacts.force.sum(axis=0) * DT / 0.5, [0.0, 0.0, TOY_MASS * GRAVITY], atol=2.0)
+        assert abs(lying.base_pose()[2] - 0.3 - SIDE / 2.0) < 1e-3
 
 
 def test_a_pendulum_keeps_its_energy_and_its_period(engine: str) -> None:

@@ -1,7 +1,7 @@
 """Study of the landing force and what it depends on. Sec. III-B.
 
 `make studies` writes the stored table, figures/landing.csv: three swings of leg 1 for each variation of motors, soles,
-floor and control. The hash of each motion shows whether today's planner still plans the same motion.
+floor and control, in MuJoCo. The hash of each motion shows whether today's planner still plans the same motion.
 """
 
 from __future__ import annotations
@@ -20,9 +20,8 @@ from stepover.analysis.landing.settings import BASES, VARIATIONS
 from stepover.analysis.landing.swings import NAIVE, SAME_APEX, SHAPED, landing_motion
 from stepover.model.obstacle import Obstacle
 from stepover.motion.motion import Motion
-from stepover.simulation.engine import DEFAULT
 from stepover.studies.agreement import NO, agreement
-from stepover.studies.study import Row, make_table, read_rows, robot_of, rounded, stored_table
+from stepover.studies.study import ENGINE, Row, make_table, read_rows, robot_of, rounded, stored_table
 
 NAME = "landing"
 HEIGHT, WIDTH = 0.15, 0.05
@@ -47,6 +46,7 @@ class Point:
         profile, swing_time: as in landing_motion.
         robot: name of the robot.
         height, width: size of the obstacle [m]; in the stored table, that of the paper.
+        engine: of the physics.
     """
 
     variation: str
@@ -55,6 +55,7 @@ class Point:
     robot: str = "hrp2"
     height: float = HEIGHT
     width: float = WIDTH
+    engine: str = ENGINE
 
     @property
     def motion(self) -> Motion:
@@ -74,6 +75,7 @@ class Landed:
         touch_down, peak: forces, means over 5 ms [N]; see analysis.landing.force.Landing.
         peak_time: time of the peak, after the planned touch-down [s].
         fell: why the robot counts as fallen.
+        engine: of the physics.
     """
 
     robot: str
@@ -88,6 +90,7 @@ class Landed:
     peak: float | None = None
     peak_time: float | None = None
     fell: str = ""
+    engine: str = ENGINE
 
 
 def points() -> list[Point]:
@@ -102,15 +105,15 @@ def _motion(robot: str, profile: str, swing_time: float, height: float, width: f
     return landing_motion(robot_of(robot), Obstacle(height, width), profile, swing_time)
 
 
-def landing_of(point: Point, engine: str = DEFAULT) -> Landing:
-    """Simulate the landing of a point in an engine; the stored table is PyBullet's."""
-    return VARIATIONS[point.variation].land(robot_of(point.robot), point.motion, engine)
+def landing_of(point: Point) -> Landing:
+    """Simulate the landing of a point."""
+    return VARIATIONS[point.variation].land(robot_of(point.robot), point.motion, point.engine)
 
 
 def row_of(point: Point, landing: Landing) -> Landed:
     """The row of a point and its landing."""
     made = __version__, point.variation, point.profile, point.swing_time
-    row = Landed(point.robot, *made, point.motion.hash())
+    row = Landed(point.robot, *made, point.motion.hash(), engine=point.engine)
     values = {name: rounded(getattr(landing, name)) for name in MEASURED}
     known = {name: value for name, value in values.items() if not np.isnan(value)}
     return dataclasses.replace(row, fell=landing.fell, **known)  # type: ignore[arg-type]
