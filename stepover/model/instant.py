@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 import pinocchio as pin
+from scipy.linalg.lapack import dposv
 
 from stepover.model.robot import Robot
 
@@ -86,7 +87,7 @@ class Instant:
         return np.concatenate([position - now.translation, pin.log3(rotation @ now.rotation.T)])
 
     def _newton(self, side: int, error: np.ndarray) -> np.ndarray:
-        """Step (6,) of a leg's joints."""
+        """Step (6,) of a leg's joints. LAPACK is called directly: numpy's checks take longer than six equations."""
         jacobian = pin.getJointJacobian(self._model, self._data, self._ankles[side], pin.LOCAL_WORLD_ALIGNED)
         own = jacobian[:, self._speeds[side]]
-        return np.asarray(own.T @ np.linalg.solve(own @ own.T + DAMPING, error))
+        return np.asarray(own.T @ dposv(own @ own.T + DAMPING, error)[1])

@@ -48,6 +48,7 @@ def model_of(scene: Scene, robot: SimulatedRobot) -> mujoco.MjModel:
     _add_surroundings(spec, scene)
     for joint in (*scene.robot.body.joint_names, *robot.passive):
         motor = spec.add_actuator(name=joint, target=joint, trntype=mujoco.mjtTrn.mjTRN_JOINT)
+        motor.biastype = mujoco.mjtBias.mjBIAS_AFFINE
         motor.ctrllimited = motor.forcelimited = NOT_LIMITED
     return spec.compile()
 

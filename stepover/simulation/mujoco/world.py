@@ -3,11 +3,12 @@
 A servo gives tau = k (q_d - q) + d (v_d - v), with angle and speed of the joint at the end of the time step dt, so
 that a stiff servo on a light link stays stable. With q + v dt for that angle and v + a dt for that speed, this is
 
-    tau = k (q_d - q - v dt) + d (v_d - v) - dt (d + k dt) a,
+    tau = k q_d + d v_d - k q - (d + k dt) v - dt (d + k dt) a.
 
-of which the last part is an inertia of the joint: MuJoCo's armature. So the solver of the contacts sees it too. The
-torque that counts against a servo's limits is the rest, as if its rotor had that inertia; an ideal motor has no rotor,
-and its torque is all of tau. Rubber is the same without a goal.
+The first two parts are MuJoCo's control, the next two the actuator's bias. The last one is an inertia of the joint:
+MuJoCo's armature. So the solver of the contacts sees it too. The torque that counts against a servo's limits is the
+rest, as if its rotor had that inertia; an ideal motor has no rotor, and its torque is all of tau. Rubber is the same
+without a goal.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from stepover.model.gravity import GRAVITY
 from stepover.simulation.engine import Contacts, Scene
 from stepover.simulation.mujoco.model import FLOORS, foot_of, model_of, mujoco
 from stepover.simulation.mujoco.touching import Touching
-from stepover.simulation.servos import springs, within_limits
+from stepover.simulation.servos import limits_at, springs
 from stepover.simulation.simulated import SimulatedRobot, require_mass, simulated_robot
 from stepover.simulation.soles import BUSH
 
@@ -47,13 +48,17 @@ class World:
         self._limited, count = scene.actuators == "limited", len(robot.body.joint_names)
         named = [self._model.joint(joint) for joint in (*robot.body.joint_names, *simulated.passive)]
         self._angle, self._speed = (np.array([at(joint) for joint in named]) for at in (_place_of, _column_of))
+        self._joints = self._speed[:count]
         stiffer = 1.0 if self._limited else STIFFER
-        self._stiffness, self._damping = springs(robot, len(simulated.passive) // len(BUSH), stiffer)
-        self._dt = robot.simulation.time_step
-        self._model.dof_armature[self._speed] = self._dt * (self._damping + self._dt * self._stiffness)
+        stiffness, damping = springs(robot, len(simulated.passive) // len(BUSH), stiffer)
+        self._stiffness, self._damping = stiffness[:count], damping[:count]
+        bias = damping + robot.simulation.time_step * stiffness
+        self._model.dof_armature[self._speed] = robot.simulation.time_step * bias
+        self._model.actuator_biasprm[:, 1], self._model.actuator_biasprm[:, 2] = -stiffness, -bias
         self._limits = robot.body.effort_limits
         self._calm = (1.0 - robot.servo.speed_fade) * robot.body.speed_limits
-        self._goal, self._goal_speed = np.zeros((2, len(named)))
+        self._fading = True
+        self._model.actuator_forcelimited[:count] = self._limited
         self._touching = Touching(self._model, simulated, len(scene.obstacles))
         self._placed, self._pushed = False, False
         self.torque, self.saturated = np.zeros(count), np.zeros(count, dtype=bool)
@@ -83,22 +88,13 @@ class World:
     def command(self, start: np.ndarray, end: np.ndarray, speed: np.ndarray) -> None:
         """Tell the motors how the joints shall move in the next step: angles (J,) at its ends [rad], speed [rad/s]."""
         data, count = self._data, len(self.torque)
-        angles, speeds = data.qpos[self._angle], data.qvel[self._speed]
-        self._goal[:count], self._goal_speed[:count] = end, speed
-        torque = self._stiffness * (self._goal - angles - self._dt * speeds)
-        torque += self._damping * (self._goal_speed - speeds)
+        data.ctrl[:count] = self._stiffness * end + self._damping * speed
         if self._limited:
-            torque[:count] = self._within_limits(torque[:count], speeds[:count])
-        data.ctrl[:] = torque
-        self.torque = torque[:count]
-        if self._limited:
-            self.saturated = np.abs(self.torque) >= self._limits
-
-    def _within_limits(self, torque: np.ndarray, speeds: np.ndarray) -> np.ndarray:
-        """Torques (J,) that limited servos can give; below the speeds at which they fade, that is quickly said."""
-        if (np.abs(speeds) < self._calm).all():
-            return np.asarray(np.minimum(np.maximum(torque, -self._limits), self._limits))
-        return within_limits(self.scene.robot, torque, speeds)
+            speeds = data.qvel[self._joints]
+            fading = not (np.abs(speeds) < self._calm).all()
+            if fading or self._fading:
+                self._model.actuator_forcerange[:count] = np.column_stack(limits_at(self.scene.robot, speeds))
+            self._fading = fading
 
     def push(self, force: np.ndarray) -> None:
         """Push the root link at its centre of mass during the next step: force (3,) in the world's axes [N]."""
@@ -108,9 +104,11 @@ class World:
     def step(self) -> None:
         """Let one time step pass."""
         mujoco.mj_step(self._model, self._data)
-        if not self._limited:
-            moved = self._speed[: len(self.torque)]
-            self.torque = self.torque - self._model.dof_armature[moved] * self._data.qacc[moved]
+        self.torque = self._data.actuator_force[: len(self.torque)].copy()
+        if self._limited:
+            self.saturated = np.abs(self.torque) >= self._limits
+        else:
+            self.torque -= self._model.dof_armature[self._joints] * self._data.qacc[self._joints]
         if self._pushed:
             self._data.xfrc_applied[1], self._pushed = 0.0, False
         self._touching.note(self._data)
