@@ -165,7 +165,7 @@ class TestPlan:
         result = call("plan", *SMALL, "--planner", "optimal", "--output", "m.npz", "--json")
         assert result.exit_code == 0, result.output
         printed, motion = json.loads(result.stdout), Motion.load("m.npz")
-        own = {"torque_ratio_max", "torque_ratio_joint", "self_clearance_min", "iterations", "attempts"}
+        own = {"torque_ratio_max", "torque_ratio_joint", "self_clearance_min", "iterations", "attempts", "durations"}
         paper = {"zmp_rms_first_stage", "adaptations", "planning_time", "key_configuration"}
         assert set(printed) == PLAN_KEYS - paper | own
         assert (printed["planner"], motion.planner) == ("optimal", "optimal")

@@ -21,8 +21,16 @@ if TYPE_CHECKING:
     from stepover.motion.motion import Motion
     from stepover.planning.optimal.search import Progress, Report
 
-OWN = {"paper": ("arms", "speed_limits", "extras"), "quasi-static": ("epsilon",)}
+OWN = {"paper": ("arms", "speed_limits", "extras"), "quasi-static": ("epsilon",), "optimal": ("time",)}
 """Options that only one planner has."""
+
+
+def _time(context: click.Context, parameter: click.Parameter, value: str | None) -> float | str | None:
+    """A number where it is one; the planner says what else it takes."""
+    try:
+        return value if value is None else float(value)
+    except ValueError:
+        return value
 
 
 @click.command(cls=Command)
@@ -44,6 +52,11 @@ OWN = {"paper": ("arms", "speed_limits", "extras"), "quasi-static": ("epsilon",)
 @click.option(
     "--epsilon", type=float, default=0.001, show_default=True,
     help="Quasi-static planner: largest distance between the ZMP and the CoM's projection [m].",
+)  # fmt: skip
+@click.option(
+    "--time", callback=_time, metavar="SECONDS|best",
+    help="Optimiser: length of each single support over the obstacle [s], or the shortest that keeps all limits; "
+    "default: as the robot walks.",
 )  # fmt: skip
 @new_file("--output", "File for the motion", ".npz", required=True)
 @new_file("--csv", "Also write a table with one row for each sample", ".csv")
@@ -92,7 +105,7 @@ def iterations() -> Iterator[Report]:
     with tqdm(disable=None, leave=False, bar_format="{desc} [{elapsed}]") as bar:
 
         def show(now: Progress) -> None:
-            size = f"{100 * now.height:.4g} cm high, {100 * now.width:.4g} cm wide"
+            size = f"{100 * now.height:.4g} cm high, {100 * now.width:.4g} cm wide, {now.duration:g} s"
             worst = f"worst violation {max(now.violation, 0.0):.4f} ({now.constraint})"
             bar.set_description_str(f"{size}: iteration {now.iterations}, {worst}")
 
@@ -118,7 +131,7 @@ def _planned(name: str, robot: Robot, obstacle: Obstacle, own: dict[str, Any]) -
         from stepover.planning.optimal.planner import optimal_in_detail
 
         with iterations() as advance:
-            best = optimal_in_detail(robot, obstacle, progress=advance)
+            best = optimal_in_detail(robot, obstacle, **own, progress=advance)
         return best.motion, summary.motion_to_json(robot, obstacle, best.motion) | best.to_json()
     motion = find_planner(name)(robot, obstacle)
     return motion, summary.motion_to_json(robot, obstacle, motion)

@@ -61,6 +61,11 @@ class Optimal:
     knots_foot: float = parameter(0.10, "s", "the same of a swinging foot")
     knots_upper: float = parameter(0.15, "s", "the same of chest and arms")
 
+    # Durations of the single supports over the obstacle, where others than the robot's own are asked for.
+    duration_least: float = parameter(0.70, "s", "shortest one: a little less than the paper's normal step takes")
+    duration_most: float = parameter(1.50, "s", "longest one: the paper's")
+    duration_step: float = parameter(0.05, "s", "to so much the shortest one that works is found")
+
     # Search.
     height_step: float = parameter(0.05, "m", "the height grows by so much from one solved problem to the next")
     width_step: float = parameter(0.07, "m", "the width grows by so much")

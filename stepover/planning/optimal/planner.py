@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import time as clock
 from dataclasses import dataclass
 from typing import Any
@@ -18,6 +19,7 @@ from stepover.motion.motion import Motion, obstacle_row
 from stepover.planning.checks import require, require_speeds
 from stepover.planning.optimal.channels import LEFT, RIGHT, WAIST, poses
 from stepover.planning.optimal.constraints.own_links import thigh_pairs
+from stepover.planning.optimal.durations import BEST, Trial, lasting, require_time, shortest
 from stepover.planning.optimal.problem import Evaluation
 from stepover.planning.optimal.search import Attempt, Report, Search
 from stepover.planning.optimal.torques import TorqueRatio, largest_torque
@@ -37,6 +39,7 @@ class OptimalPlan:
         torque: largest joint torque over its limit.
         self_clearance: smallest distance between links that must not touch, trunk and thighs included [m].
         planning_time: [s].
+        trials: the durations of single supports that were tried, where the shortest was asked for.
     """
 
     motion: Motion
@@ -44,6 +47,7 @@ class OptimalPlan:
     torque: TorqueRatio
     self_clearance: float
     planning_time: float
+    trials: tuple[Trial, ...] = ()
 
     @property
     def iterations(self) -> int:
@@ -58,46 +62,68 @@ class OptimalPlan:
             "self_clearance_min": self.self_clearance,
             "iterations": self.iterations,
             "attempts": [attempt._asdict() for attempt in self.attempts],
+            "durations": [trial._asdict() for trial in self.trials],
         }
 
 
-def optimal_plan(robot: Robot, obstacle: Obstacle | Course, *, progress: Report | None = None) -> Motion:
+def optimal_plan(
+    robot: Robot, obstacle: Obstacle | Course, *, time: float | str | None = None, progress: Report | None = None
+) -> Motion:
     """Plan how to step over an obstacle with all limits of the robot kept: joints, speeds, torques, contact, links.
 
     Args:
         robot: from load_robot.
         obstacle: the obstacle with its margins, or a course that holds one.
+        time: how long each single support over the obstacle lasts [s], or "best": the shortest that keeps all limits,
+            to 0.05 s. Default: as the robot walks; 1.5 s.
         progress: called after each iteration.
 
     Returns:
         The whole-body motion.
 
     Raises:
-        InvalidInput: no Robot, no Obstacle, several obstacles, or legs whose hip axes do not meet.
+        InvalidInput: no Robot, no Obstacle, several obstacles, legs whose hip axes do not meet, or no such time.
         Infeasible: names the constraint that stays violated, by how much, when and where, and the nearest obstacle
             that can be crossed.
     """
-    return optimal_in_detail(robot, obstacle, progress=progress).motion
+    return optimal_in_detail(robot, obstacle, time=time, progress=progress).motion
 
 
 def optimal_in_detail(
     robot: Robot,
     obstacle: Obstacle | Course,
     *,
+    time: float | str | None = None,
     progress: Report | None = None,
     leading: int = -1,
     look_for_nearest: bool = True,
 ) -> OptimalPlan:
     """As optimal_plan, and keep how it came about; `leading`: the side that steps over first."""
     obstacle, start = one_obstacle(robot, obstacle), clock.perf_counter()
-    p = robot.optimal
-    search = Search.of(robot, obstacle, leading, progress)
+    require_time(time, robot.optimal)
+    attempts: list[Attempt] = []
+
+    def planned(walking: Robot, look: bool) -> OptimalPlan:
+        search = Search.of(walking, obstacle, leading, progress, attempts)
+        return _planned(search, obstacle, look and look_for_nearest)
+
+    trials: list[Trial] = []
+    if time == BEST:
+        found, trials = shortest(robot, planned)
+    else:
+        found = planned(robot if time is None else lasting(robot, float(time)), True)
+    took = clock.perf_counter() - start
+    return dataclasses.replace(found, attempts=tuple(attempts), planning_time=took, trials=tuple(trials))
+
+
+def _planned(search: Search, obstacle: Obstacle, look_for_nearest: bool) -> OptimalPlan:
+    """One search, and the checks of its motion."""
     found = search.run(obstacle)
-    if found.worst.value > p.tolerance:
+    if found.worst.value > search.parameters.tolerance:
         raise Infeasible(refusal(found), _nearest(search, obstacle) if look_for_nearest else None)
     motion = motion_of(search, found)
-    torque, apart = check(robot, motion)
-    return OptimalPlan(motion, tuple(search.attempts), torque, apart, clock.perf_counter() - start)
+    torque, apart = check(search.channels.robot, motion)
+    return OptimalPlan(motion, (), torque, apart, 0.0)
 
 
 def check(robot: Robot, motion: Motion) -> tuple[TorqueRatio, float]:

@@ -45,6 +45,7 @@ class Attempt(NamedTuple):
 
     Attributes:
         height, width: of the obstacle [m].
+        duration: of the single supports over it [s].
         start: what it started from: "base motion", or "last solution".
         samples: at how many samples constraints were kept.
         iterations: of the SQP.
@@ -54,6 +55,7 @@ class Attempt(NamedTuple):
 
     height: float
     width: float
+    duration: float
     start: str
     samples: int
     iterations: int
@@ -63,10 +65,11 @@ class Attempt(NamedTuple):
 
 @dataclass(frozen=True)
 class Progress:
-    """What a progress bar shows: the obstacle at hand, iterations so far, and the worst constraint."""
+    """What a progress bar shows: obstacle and single supports at hand, iterations so far, and the worst constraint."""
 
     height: float
     width: float
+    duration: float
     iterations: int
     violation: float
     constraint: str
@@ -98,12 +101,24 @@ class Search:
     report: Report | None = None
 
     @staticmethod
-    def of(robot: Robot, obstacle: Obstacle, leading: int, report: Report | None = None) -> Search:
-        """Lay out base motion and variables."""
+    def of(
+        robot: Robot,
+        obstacle: Obstacle,
+        leading: int,
+        report: Report | None = None,
+        record: list[Attempt] | None = None,
+    ) -> Search:
+        """Lay out base motion and variables. Attempts are added to a record, if there is one."""
         p = robot.optimal
         base = base_motion(robot, obstacle, p, leading)
         channels = Channels(robot, np.radians(p.knee_deg))
-        return Search(channels, base, variables_of(base, p, obstacle.distance is None), p, report=report)
+        variables = variables_of(base, p, obstacle.distance is None)
+        return Search(channels, base, variables, p, [] if record is None else record, report=report)
+
+    @property
+    def duration(self) -> float:
+        """Of the single supports over the obstacle [s]."""
+        return self.channels.robot.walk.single_support_over
 
     @property
     def iterations(self) -> int:
@@ -171,7 +186,7 @@ class Search:
             count += 1
             if self.report is not None:
                 worst = here.worst
-                sizes = (obstacle.height, obstacle.width)
+                sizes = obstacle.height, obstacle.width, self.duration
                 self.report(Progress(*sizes, before + count, worst.value, worst.group.name))
 
         tolerance = self.parameters.tolerance if more is not None else NEAR
@@ -179,7 +194,8 @@ class Search:
         found, iterations = minimise(problem, x, tolerance, most or self.parameters.iterations, trust, look)
         worst, samples = found.worst, len(problem.scene.samples)
         named = f"{worst.group.name}: {worst.group.parts[worst.column]}"
-        self.attempts.append(Attempt(obstacle.height, obstacle.width, start, samples, iterations, worst.value, named))
+        sizes = obstacle.height, obstacle.width, self.duration
+        self.attempts.append(Attempt(*sizes, start, samples, iterations, worst.value, named))
         return found
 
 
