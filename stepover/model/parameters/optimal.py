@@ -75,8 +75,28 @@ class Optimal:
     tolerance: float = parameter(5e-3, "", "largest scaled violation that counts as kept")
     rounds: int = parameter(6, "count", "how often samples between the looked-at ones may be added")
 
-    # Weights of the cost.
-    weight_zmp: float = parameter(3.3, "1/m", "distance of the ZMP from the middle of the sole")
-    weight_zmp_over: float = parameter(1.0, "1/m", "the same ahead and behind, around the double support over it")
+    # Weights of the cost. Lengths count in units of the leg, moments in units of the mass.
+    weight_zmp: float = parameter(3.3, "1/m", "distance of the ZMP from the middle of the sole", scale="1/leg")
+    weight_zmp_over: float = parameter(
+        1.0, "1/m", "the same ahead and behind, around the double support over the obstacle", scale="1/leg"
+    )
     weight_zmp_around: float = parameter(0.25, "s", "how long before and after")
-    weight_yaw: float = parameter(0.005, "1/(N m)", "moment about the vertical")
+    weight_yaw: float = parameter(0.005, "1/(N m)", "moment about the vertical", scale="1/mass")
+    weight_waist_travel: float = parameter(0.015, "s^2/m", "acceleration of the waist in x and y", scale="1/leg")
+    weight_waist_height: float = parameter(0.024, "s^2/m", "the same in z", scale="1/leg")
+    weight_waist_yaw: float = parameter(0.006, "s^2", "acceleration of its yaw")
+    weight_waist_tilt: float = parameter(0.009, "s^2", "the same of its roll and pitch")
+    weight_sole_travel: float = parameter(0.006, "s^2/m", "acceleration of a sole in x and z", scale="1/leg")
+    weight_sole_aside: float = parameter(0.015, "s^2/m", "the same in y: a swing aside costs more", scale="1/leg")
+    weight_sole_turn: float = parameter(0.006, "s^2", "acceleration of its yaw and roll")
+    weight_sole_pitch: float = parameter(0.0036, "s^2", "the same of its pitch, which clears the obstacle")
+    weight_trunk: float = parameter(0.006, "s^2", "acceleration of the trunk's joints, and of the elbows")
+    weight_shoulders: float = parameter(0.003, "s^2", "the same of the shoulders' pitch")
+    stay_waist_height: float = parameter(0.09, "1/m", "deviation of the waist's z from the base motion", scale="1/leg")
+    stay_waist_tilt: float = parameter(0.15, "", "the same of its roll and pitch")
+    stay_sole_aside: float = parameter(0.09, "1/m", "the same of a sole's y", scale="1/leg")
+    stay_sole_turn: float = parameter(0.09, "", "the same of its yaw and roll")
+    stay_trunk: float = parameter(0.09, "", "the same of the trunk's joints, and of the elbows")
+    stay_chest_yaw: float = parameter(0.03, "", "the same of the chest about the vertical, which is free to follow")
+    stay_shoulders: float = parameter(0.045, "", "the same of the shoulders' pitch")
+    weight_variable: float = parameter(0.003, "", "each variable itself, so that all are determined")

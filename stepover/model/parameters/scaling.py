@@ -47,6 +47,7 @@ RULES: dict[str, tuple[str, Callable[[float, Size], float]]] = {
     "heel": ("times the sole behind the ankle", lambda value, size: _two_digits(value * size.heel / HRP2.heel)),
     "mass": ("times the mass", lambda value, size: _two_digits(value * size.mass / HRP2.mass)),
     "1/mass": ("divided by the mass", lambda value, size: _two_digits(value * HRP2.mass / size.mass)),
+    "1/leg": ("divided by the leg's length", lambda value, size: _two_digits(value * HRP2.leg / size.leg)),
     "waist": (
         "times the leg's length, plus the height of the root above the hips",
         lambda value, size: round(_two_digits(value * size.leg / HRP2.leg) + size.above_hips, 3),

@@ -12,23 +12,11 @@ import numpy as np
 import scipy.sparse as sp
 
 from stepover.motion.footsteps import LEG_1, LEG_2
-from stepover.planning.optimal.channels import SIDES, UPPER
+from stepover.planning.optimal.channels import SIDES
 from stepover.planning.optimal.instants import Instants
 from stepover.planning.optimal.scene import Scene
 from stepover.planning.optimal.variables import Variables
 
-OF_ALL = 0.3
-"""Common weight of accelerations and deviations."""
-ACCELERATION = [0.05, 0.05, 0.08, 0.02, 0.03, 0.03] + [0.02, 0.05, 0.02, 0.02, 0.012, 0.02] * 2
-"""Weights of the accelerations of waist and soles: x y z, yaw, pitch, roll [s^2/m, s^2/rad]."""
-DEVIATION = [0.0, 0.0, 0.3, 0.0, 0.5, 0.5] + [0.0, 0.3, 0.0, 0.3, 0.0, 0.3] * 2
-"""Weights of their deviations from the base motion [1/m, 1/rad]."""
-TRUNK, SHOULDER, ARM = (0.02, 0.3), (0.01, 0.15), (0.02, 0.3)
-"""Both weights of the trunk's joints, of the shoulders' pitch, and of the joint after it."""
-CHEST_YAW = 0.1
-"""The trunk's deviation about the vertical is cheaper."""
-SMALLEST = 3e-3
-"""Weight of each variable itself, so that all are determined."""
 FASTEST = 20.0
 """Largest acceleration of the base that counts [m/s^2, rad/s^2]: an over-reaching base has kinks."""
 
@@ -47,26 +35,29 @@ def quadratic(scene: Scene, variables: Variables, every: int) -> Quadratic:
     before, here, after = (variables.rows(samples + k, count) for k in (-1, 0, 1))
     base = scene.base.channels
     bent = (base[samples - 1] - 2.0 * base[samples] + base[samples + 1]) / dt**2
-    quick, away = (OF_ALL * np.tile(weights, len(samples)) for weights in _weights(scene))
+    quick, away = (np.tile(weights, len(samples)) for weights in _weights(scene))
     rows = [sp.diags(quick / dt**2) @ (after - 2.0 * here + before), sp.diags(away) @ here]
     offsets = [quick * np.clip(bent, -FASTEST, FASTEST).ravel(), np.zeros(len(away))]
-    matrix = sp.vstack([*rows, SMALLEST * sp.eye(variables.count)]).tocsr()
+    matrix = sp.vstack([*rows, scene.parameters.weight_variable * sp.eye(variables.count)]).tocsr()
     offset = np.concatenate([*offsets, np.zeros(variables.count)])
     return Quadratic(matrix, offset)
 
 
 def _weights(scene: Scene) -> tuple[list[float], list[float]]:
-    """Weights of accelerations and deviations of all channels."""
-    upper, robot = scene.channels.upper, scene.robot
-    arms = [
-        [TRUNK, SHOULDER, ARM][1 + (name not in robot.upper_body.shoulders) if name in upper[-4:] else 0]
-        for name in upper
-    ]
+    """Weights of accelerations and deviations of all channels: of waist and soles x y z, yaw, pitch, roll."""
+    p, robot, upper = scene.parameters, scene.robot, scene.channels.upper
+    waist = [p.weight_waist_travel] * 2 + [p.weight_waist_height, p.weight_waist_yaw] + [p.weight_waist_tilt] * 2
+    sole = [p.weight_sole_travel, p.weight_sole_aside, p.weight_sole_travel]
+    sole += [p.weight_sole_turn, p.weight_sole_pitch, p.weight_sole_turn]
+    stay_waist = [0.0, 0.0, p.stay_waist_height, 0.0, p.stay_waist_tilt, p.stay_waist_tilt]
+    stay_sole = [0.0, p.stay_sole_aside, 0.0, p.stay_sole_turn, 0.0, p.stay_sole_turn]
+    swings = [name in robot.upper_body.shoulders for name in upper]
+    quick = [p.weight_shoulders if one else p.weight_trunk for one in swings]
+    away = [p.stay_shoulders if one else p.stay_trunk for one in swings]
     away = [
-        CHEST_YAW if name == robot.upper_body.chest_yaw else pair[1] for name, pair in zip(upper, arms, strict=True)
+        p.stay_chest_yaw if name == robot.upper_body.chest_yaw else one for name, one in zip(upper, away, strict=True)
     ]
-    assert len(ACCELERATION) == UPPER
-    return [*ACCELERATION, *(pair[0] for pair in arms)], [*DEVIATION, *away]
+    return [*waist, *sole, *sole, *quick], [*stay_waist, *stay_sole, *stay_sole, *away]
 
 
 class Centring(NamedTuple):
