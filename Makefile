@@ -14,7 +14,7 @@ wrong_python = this environment needs Python 3.11 (PyBullet has no wheels for la
 call make PYTHON3=/path/to/python3.11
 
 .DEFAULT_GOAL := help
-.PHONY: help env reproduce site test fuzz coverage studies lab bench lint clean
+.PHONY: help env reproduce site test fuzz coverage studies frontier lab bench lint clean
 
 help:       ## list these commands
 	@sed -n 's/^\([a-z]*\): .*## \(.*\)/\1|\2/p' $(MAKEFILE_LIST) | \
@@ -42,6 +42,9 @@ fuzz: $(READY)       ## try 3,000 mutated inputs of each kind; the tests try a f
 studies: $(READY)    ## make the long tables in figures/ on all cores; goes on where it was interrupted
 	$(PYTHON) -m stepover.studies
 
+frontier: $(READY)   ## make the optimiser's tables in figures/: what it crosses, how robustly; half an hour
+	$(PYTHON) -m stepover.studies.optimal
+
 lab: $(READY)        ## open JupyterLab on the notebooks
 	$(PYTHON) -m jupyterlab notebooks
 
@@ -61,8 +64,8 @@ clean:      ## remove build/ and the caches; keep .venv
 	find . -path ./$(VENV) -prune -o \( -name __pycache__ -o -name .ipynb_checkpoints \) -prune -exec rm -rf {} +
 
 # One thread a process: the parallelism is that of the processes, and sums come out the same on every run.
-reproduce site test coverage studies: export OMP_NUM_THREADS = 1
-reproduce site test coverage studies: export OPENBLAS_NUM_THREADS = 1
+reproduce site test coverage studies frontier: export OMP_NUM_THREADS = 1
+reproduce site test coverage studies frontier: export OPENBLAS_NUM_THREADS = 1
 # Not for reproduce: there the notebooks' own backend, which needs no display either, keeps the figures in their pages.
 test coverage: export MPLBACKEND = Agg
 

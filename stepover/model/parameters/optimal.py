@@ -15,9 +15,9 @@ class Optimal:
     speed_share: float = parameter(0.80, "share", "largest joint speed: the stabilizer adds to it", least=0.1)
     torque_share: float = parameter(0.85, "share", "largest joint torque: a landing adds to it", least=0.1)
     torque_share_landed: float = parameter(
-        0.60, "share", "the same after leg 1 has landed: there the stabilizer needs most", least=0.1
+        0.52, "share", "the same after leg 1 has landed: there the stabilizer needs most", least=0.1
     )
-    landed: float = parameter(0.35, "s", "how long after that")
+    landed: float = parameter(0.45, "s", "how long after that")
     torque_share_upper: float = parameter(
         0.50, "share", "largest torque of chest and arms: what hangs on them must not swing", least=0.1
     )
