@@ -5,7 +5,6 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from importlib.util import find_spec
 
 from stepover.errors import InvalidInput
 
@@ -57,17 +56,6 @@ def needs(what: str) -> Iterator[None]:
         if module not in EXTRAS:
             raise
         raise InvalidInput(f"{what} needs {NAMES.get(module, module)}{_remedy(what, EXTRAS[module])}") from error
-
-
-def require(module: str, what: str) -> None:
-    """Say at once that an optional library is missing, without loading it.
-
-    Raises:
-        InvalidInput: as needs.
-    """
-    with needs(what):
-        if find_spec(module) is None:
-            raise ModuleNotFoundError(name=module)
 
 
 def _remedy(what: str, extra: str) -> str:

@@ -27,8 +27,8 @@ from tornado.websocket import websocket_connect
 
 from stepover.errors import InvalidInput
 from stepover.model import pose
-from stepover.report import viewer_scene as scene
-from stepover.report.figures.film import PHASES
+from stepover.report import scene
+from stepover.report.render.gif import PHASES
 
 with warnings.catch_warnings():
     warnings.simplefilter("ignore", DeprecationWarning)  # meshcat's, about how it imports zmq

@@ -13,7 +13,7 @@ import click
 from stepover.cli.commands import NOT_CROSSED, Command, complain, progress, say
 from stepover.cli.options import as_json, motion_file, new_file, pairs, physics, robot_file
 from stepover.errors import InvalidInput
-from stepover.extras import needs, require
+from stepover.extras import needs
 
 if TYPE_CHECKING:
     from stepover.model.robot import Robot
@@ -69,8 +69,8 @@ def simulate(
     from stepover.simulation.run import simulate as run_simulation
 
     if video is not None:
-        require("pybullet", "a video")
-        from stepover.simulation.pybullet.video import record  # before the run: a missing library is reported at once
+        with needs("a video"):  # before the run
+            from stepover.report.render.film import record
 
     disturbances = {name: _number(name, text) for name, text in perturb.items()} or None
     planned = Motion.load(motion)

@@ -1,7 +1,7 @@
 """A page that plays a motion in 3-D, in any browser, offline. No other module uses meshcat.
 
 meshcat turns shapes into commands for its viewer and sends them to its own server, which writes them into a page.
-Here the commands are collected and written without the server, so no process, port or browser is needed. viewer_scene
+Here the commands are collected and written without the server, so no process, port or browser is needed. scene
 holds the content of the scene, and viewer_page the page around it.
 """
 
@@ -25,9 +25,8 @@ from stepover.errors import InvalidInput
 from stepover.model.robot import Robot
 from stepover.motion.motion import Motion
 from stepover.output import write_whole
-from stepover.report import viewer_page
-from stepover.report import viewer_scene as scene
-from stepover.report.figures.film import PHASES
+from stepover.report import scene, viewer_page
+from stepover.report.render.gif import PHASES
 
 ROOT = meshcat.path.Path(("meshcat",))
 BALL = 0.022

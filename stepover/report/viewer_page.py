@@ -7,7 +7,7 @@ import json
 from importlib.resources.abc import Traversable
 from string import Template
 
-from stepover.report.viewer_scene import Camera
+from stepover.report.scene import Camera
 
 PROGRAM = "dist/main.min.js", "LICENSE", "dist/main.min.js.LICENSE.txt"
 PAGE = Template("""<!DOCTYPE html>

@@ -4,7 +4,6 @@ from stepover.report.figures.adapted import arms_and_lead_knee, before_and_after
 from stepover.report.figures.blocks import block_diagram
 from stepover.report.figures.crossing import crossing, refused
 from stepover.report.figures.feasibility import areas_by_height, domains_overlaid, feasibility_domains, key_domains
-from stepover.report.figures.film import crossing_times, save_film
 from stepover.report.figures.landing import (
     landing_forces,
     landing_sensitivity,
@@ -44,7 +43,6 @@ __all__ = [
     "clearance_by_units",
     "contact_forces",
     "crossing",
-    "crossing_times",
     "domains_overlaid",
     "duration_over_epsilon",
     "estimated",
@@ -65,7 +63,6 @@ __all__ = [
     "refused",
     "robustness",
     "save",
-    "save_film",
     "spline_and_polynomial",
     "stabilized",
     "stick_diagram",

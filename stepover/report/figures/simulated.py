@@ -32,6 +32,8 @@ from stepover.simulation.measurements import Run
 
 BEFORE_FAILURE, AFTER_FAILURE = 1.0, 0.2
 """Time shown in a plot of a failure [s]."""
+CAPTION = 0.22
+"""Height of the time below a picture [in]."""
 EVERY, SHOWN = 4, 0.3
 """Samples between the points of the clearance, and the largest clearance shown [m]."""
 
@@ -104,11 +106,11 @@ def clearance(robot: Robot, run: Run) -> Figure:
 
 
 @styled
-def strip(frames: Sequence[np.ndarray], times: np.ndarray, columns: int = 5, names: Sequence[str] = ()) -> Figure:
-    """Fig. 10: K frames (H, W, 3) at times (K,) [s], row by row. Each row may have a name."""
+def strip(frames: Sequence[np.ndarray], times: np.ndarray, columns: int = 4, names: Sequence[str] = ()) -> Figure:
+    """Figs. 6 and 10: K frames (H, W, 3), row by row, with times (K,) [s] below. Each row may have a name."""
     rows = -(-len(frames) // columns)
     height = 7.16 / columns * frames[0].shape[0] / frames[0].shape[1]
-    figure, axes = panels(rows, rows * (height + 0.03), columns=columns)
+    figure, axes = panels(rows, rows * (height + CAPTION), columns=columns)
     figure.get_layout_engine().set(w_pad=0.015, h_pad=0.015, wspace=0.0, hspace=0.0)  # type: ignore[union-attr,call-arg]
     for axis in axes.ravel():
         axis.set_axis_off()
@@ -116,7 +118,8 @@ def strip(frames: Sequence[np.ndarray], times: np.ndarray, columns: int = 5, nam
         axis.text(-0.04, 0.5, name, transform=axis.transAxes, rotation=90, ha="right", va="center")
     for axis, frame, time in zip(axes.ravel(), frames, times, strict=False):
         axis.imshow(frame)
-        axis.text(0.03, 0.96, f"{time:.2f} s", transform=axis.transAxes, va="top", fontsize=9 if columns < 7 else 7.5)
+        axis.set_anchor("N")
+        axis.text(0.5, -0.02, f"{time:.2f} s", transform=axis.transAxes, ha="center", va="top")
     return figure
 
 

@@ -26,7 +26,7 @@ def crossing_times(motion: Motion, rate: float = RATE) -> np.ndarray:
     return np.arange(start, end, 1.0 / rate)
 
 
-def save_film(motion: Motion, pictures: Sequence[np.ndarray], times: np.ndarray, path: str | Path, name: str) -> Path:
+def save_gif(motion: Motion, pictures: Sequence[np.ndarray], times: np.ndarray, path: str | Path, name: str) -> Path:
     """Write pictures as an endless GIF in real time. The same pictures give the same bytes.
 
     Args:

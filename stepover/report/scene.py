@@ -1,17 +1,18 @@
-"""The content of a motion's 3-D view as plain values: solids, lines, traces, their motion, and the camera.
+"""What is seen of a motion, as plain values: solids, lines, traces, their motion, and the 3-D view's camera.
 
-The module viewer passes them to meshcat.
+The module viewer passes them to meshcat, and render/ draws them.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
 
 from stepover.model import pose
+from stepover.model.description.links import Hinge
 from stepover.model.robot import Robot
 from stepover.model.support import corners_on_floor
 from stepover.motion.motion import Motion
@@ -20,12 +21,14 @@ from stepover.report.figures.style import FIRST_STAGE, LEFT, OBSTACLE, PLANNED, 
 RATE = 50.0
 """Poses per second. The browser interpolates between them; standing feet stay in place to a millimetre."""
 COM, ZMP = FIRST_STAGE, PLANNED
-MARGIN, BODY, FLOOR = "#DB3826", "#D6D8DD", ("#F3F4F6", "#DCE0E6")
+MARGIN, BODY, JOINT, FLOOR = "#DB3826", "#D6D8DD", "#8A9099", ("#F3F4F6", "#DCE0E6")
+VEIL, ROD = 0.3, 0.34
+"""Opacity of a margin; radius of a joint, as a share of the smallest side of its links."""
 LEGEND = {LEFT: "left", RIGHT: "right", COM: "CoM, and its projection", ZMP: "ZMP", OBSTACLE: "obstacle",
           MARGIN: "safety margin"}  # fmt: skip
 TILE_SIZE, AROUND = 0.25, (1.0, 1.25)
 """Size of the floor's tiles, and how far the floor reaches beyond the path, ahead and to the side [m]."""
-DRAWN_HALF_WIDTH = 0.45
+DRAWN_HALF_WIDTH = 0.32
 """Drawn half extent of the obstacle along y [m]. It is shortened, so that its near end does not hide the feet."""
 TRACE = 0.010
 """Width of a trace [m]."""
@@ -37,12 +40,14 @@ LIFT = 0.002
 
 
 class Solid(NamedTuple):
-    """A solid of convex hulls, each given by its corners (V, 3)."""
+    """A solid of convex hulls, each given by its corners (V, 3), in the frame of a joint of Placements; 0: the world."""
 
     name: str
     hulls: list[np.ndarray]
     colour: str
     opacity: float = 1.0
+    joint: int = 0
+    smooth: bool = False
 
 
 class Lines(NamedTuple):
@@ -89,17 +94,28 @@ def surroundings(robot: Robot, motion: Motion) -> Iterator[Solid | Lines]:
         lows = [(a, b) for i, a in enumerate(x) for k, b in enumerate(y) if (i + k) % 2 == kind]
         tiles = [_box((a, b, -2.0 * LIFT), (a + TILE_SIZE, b + TILE_SIZE, -LIFT)) for a, b in lows]
         yield Solid(f"floor/{kind}", tiles, colour)
-    front, width, height, beside, above = motion.obstacle[:5]
-    aside = DRAWN_HALF_WIDTH
-    yield Solid("obstacle", [_box((front, -aside, 0.0), (front + width, aside, height))], OBSTACLE)
-    if beside > 0.0 or above > 0.0:
-        aside -= LIFT
-        margin = _box((front - beside, -aside, 0.0), (front + width + beside, aside, height + above))
-        yield Solid("margin/inside", [margin], MARGIN, opacity=0.3)
-        yield Lines("margin/edges", _edges(margin), MARGIN)
+    yield from obstacles(motion.obstacles)
     for name, side, colour in (("left", 1, LEFT), ("right", -1, RIGHT)):
         for k, sole in enumerate(soles(motion, side)):
             yield from _print(f"soles/{name} {k}", corners_on_floor(robot, side, sole), colour)
+
+
+def obstacles(rows: np.ndarray, colour: str = OBSTACLE) -> Iterator[Solid | Lines]:
+    """Obstacles with their margins, from rows as in Motion.obstacles. The names of the first one have no number."""
+    for number, (front, width, height, beside, above, _, yaw) in enumerate(rows, start=1):
+        name, aside = f" {number}" if number > 1 else "", DRAWN_HALF_WIDTH
+        place = np.array([front, 0.0, 0.0]), pose.rotation(pose.pose(np.zeros((1, 3)), yaw))[0]
+        yield Solid(f"obstacle{name}", [_placed(_box((0.0, -aside, 0.0), (width, aside, height)), *place)], colour)
+        if beside > 0.0 or above > 0.0:
+            aside -= LIFT
+            margin = _box((-beside, -aside, 0.0), (width + beside, aside, height + above))
+            yield Solid(f"margin{name}/inside", [_placed(margin, *place)], MARGIN, opacity=VEIL)
+            yield Lines(f"margin{name}/edges", _placed(_edges(margin), *place), MARGIN)
+
+
+def _placed(points: np.ndarray, place: np.ndarray, turn: np.ndarray) -> np.ndarray:
+    """Points (N, 3) of a frame that lies at a place (3,), turned by (3, 3)."""
+    return np.asarray(points @ turn.T + place)
 
 
 def soles(motion: Motion, side: int) -> np.ndarray:
@@ -127,17 +143,62 @@ def _edges(corners: np.ndarray) -> np.ndarray:
 
 
 def links(robot: Robot) -> Iterator[Solid]:
-    """The robot's links in the frames of their joints. The legs have the colours of their soles."""
+    """The robot's links in the frames of their joints, and its joints. The legs have the colours of their soles."""
     sides = ((robot.legs.left, LEFT), (robot.legs.right, RIGHT))
     legs = {robot.body.index(joint): colour for joints, colour in sides for joint in joints}
+    rods = _rods(robot)
     for joint, name in _moved(robot).items():
         hulls = [shape.vertices for shape in robot.shapes if shape.joint == joint]
-        yield Solid(name, hulls, legs.get(joint, BODY))
+        yield Solid(name, hulls, legs.get(joint, BODY), joint=joint)
+        if rods[joint]:
+            yield Solid(f"{name}/joints", rods[joint], JOINT, joint=joint, smooth=True)
 
 
 def _moved(robot: Robot) -> dict[int, str]:
     """The shapes that each joint moves, by the joint's index in Placements."""
     return {shape.joint: f"robot/{shape.link}" for shape in robot.shapes}
+
+
+def _rods(robot: Robot) -> dict[int, list[np.ndarray]]:
+    """Rods with round ends from the middle of each link to its joints, by the joint that moves the link.
+
+    Shapes end before a joint, so that they do not collide with each other as it bends. The rods fill these gaps. They
+    are drawn only; nothing is measured to them.
+    """
+    boxes = {}
+    for joint in _moved(robot):
+        corners = np.vstack([shape.vertices for shape in robot.shapes if shape.joint == joint])
+        boxes[joint] = corners.min(axis=0), corners.max(axis=0)
+    middles = {joint: (low + high) / 2.0 for joint, (low, high) in boxes.items()}
+    rods: dict[int, list[np.ndarray]] = {joint: [] for joint in boxes}
+    for child, parent, hinge, single in _neighbours(robot, boxes):
+        along = (middles[child] @ hinge.axis) if single else 0.0
+        ends = {child: along * hinge.axis, parent: hinge.place.translation + hinge.place.rotation @ (along * hinge.axis)}
+        radius = ROD * min(float((boxes[joint][1] - boxes[joint][0]).min()) for joint in ends)
+        for joint, end in ends.items():
+            rods[joint].append(_rod(middles[joint], end, radius))
+    return rods
+
+
+def _neighbours(robot: Robot, drawn: Collection[int]) -> Iterator[tuple[int, int, Hinge, bool]]:
+    """Drawn links that joints connect: child, parent, the first joint after the parent, and whether it is the only one."""
+    above, joint_of = robot.description.joint_above, robot.body.joint_of
+    for link in robot.description.links:
+        child, last = joint_of(link.name), above.get(link.name)
+        if child not in drawn or last is None:
+            continue
+        hinge = last
+        while joint_of(hinge.parent) not in drawn and hinge.parent in above:
+            hinge = above[hinge.parent]
+        if joint_of(hinge.parent) in drawn:
+            yield child, joint_of(hinge.parent), hinge, hinge is last
+
+
+def _rod(start: np.ndarray, end: np.ndarray, radius: float) -> np.ndarray:
+    """Corners (V, 3) of a rod with round ends between two points (3,)."""
+    turn, tilt = np.meshgrid(np.linspace(0.0, 2.0 * np.pi, 20, endpoint=False), np.linspace(-np.pi, np.pi, 11) / 2.0)
+    ball = np.stack([np.cos(tilt) * np.cos(turn), np.cos(tilt) * np.sin(turn), np.sin(tilt)], axis=-1).reshape(-1, 3)
+    return np.vstack([radius * ball + start, radius * ball + end])
 
 
 def traces(motion: Motion) -> Iterator[Trace]:
