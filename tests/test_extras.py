@@ -95,7 +95,7 @@ def test_help(folder):
         ("simulate m.npz", NO_PYBULLET),
         (
             "simulate m.npz --engine mujoco --video m.mp4",
-            NO_PYBULLET.replace("simulate", "a video").removesuffix(", or take --engine mujoco"),
+            "a video needs imageio_ffmpeg: pip install 'stepover[report]'",
         ),
         ("view m.npz --output m.html", "view needs meshcat: pip install 'stepover[report]'"),
         ("sweep --heights 0.1 --widths 0.05 --output t.csv", "sweep needs joblib: pip install 'stepover[studies]'"),

@@ -1,4 +1,4 @@
-"""The physics: what it measures, what it explains, that it is the same each time, and what it films."""
+"""The physics: what it measures, what it explains, and that it is the same each time."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ import sys
 from dataclasses import fields, replace
 from pathlib import Path
 
-import imageio.v2 as imageio
 import numpy as np
 import pytest
 
@@ -18,7 +17,6 @@ from stepover.model.robot import Robot
 from stepover.motion.motion import Motion
 from stepover.simulation.engine import Scene
 from stepover.simulation.measurements import Run, Series
-from stepover.simulation.pybullet.video import frames, record
 from stepover.simulation.pybullet.world import World, pybullet
 from stepover.simulation.run import simulate
 
@@ -220,45 +218,12 @@ def test_progress_ends_at_one(standing: Motion, robot: Robot) -> None:
     assert shares == sorted(shares)
 
 
-def test_frames_show_the_robot_and_the_obstacle(motion: Motion, robot: Robot) -> None:
-    before, over = frames(motion, [0.0, float(motion.time[motion.samples(1)].mean())], (320, 240), robot)
-    assert before.shape == (240, 320, 3)
-    assert before.dtype == np.uint8
-    red, green, blue = (over[..., k].astype(int) for k in range(3))
-    assert ((red - blue > 100) & (red > green)).sum() > 50, "amber"
-    assert (blue - red > 40).sum() > 200, "the robot's blue"
-    assert not np.array_equal(before, over)
-
-
-def test_video_can_be_read(tmp_path: Path, standing: Motion, robot: Robot) -> None:
-    record(standing, tmp_path / "film.mp4", size=(160, 120), rate=10, robot=robot)
-    assert [file.name for file in tmp_path.iterdir()] == ["film.mp4"]
-    pictures = imageio.mimread(tmp_path / "film.mp4")
-    assert len(pictures) == 6
-    assert pictures[0].shape == (120, 160, 3)
-
-
-def test_videos_that_cannot_be_written_leave_nothing(tmp_path: Path, standing: Motion) -> None:
-    with pytest.raises(InvalidInput, match="folder"):
-        record(standing, tmp_path / "missing" / "film.mp4")
-    with pytest.raises(InvalidInput, match="mp4"):
-        record(standing, tmp_path / "film.gif")
-
-    def stop(share: float) -> None:
-        raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        record(standing, tmp_path / "film.mp4", size=(160, 120), progress=stop)
-    assert not list(tmp_path.iterdir())
-
-
 def test_nothing_is_printed(tmp_path: Path, standing: Motion) -> None:
     standing.save(tmp_path / "m.npz")
     code = f"""
 from stepover import Motion, simulate
-from stepover.simulation.pybullet.video import frames
 motion = Motion.load({str(tmp_path / "m.npz")!r})
-frames(simulate(motion), [0.0], (64, 48))
+simulate(motion)
 """
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert (done.stdout, done.stderr) == ("", "")

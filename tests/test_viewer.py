@@ -111,8 +111,9 @@ class TestPage:
             "ZMP/now",
         ):
             assert any(path.startswith(f"/meshcat/{name}") for path in paths), name
-        links = {path.rsplit("/")[-1] for path in paths if path.startswith("/meshcat/robot/")}
-        assert links == {shape.link for shape in robot.shapes}
+        links = [path.split("/")[3:] for path in paths if path.startswith("/meshcat/robot/")]
+        assert {link[0] for link in links if len(link) == 1} == {shape.link for shape in robot.shapes}
+        assert [link[1:] for link in links if link[0] == "RLEG_LINK3"] == [[], ["joints"]]
         assert sum(path.endswith("/inside") and "soles" in path for path in paths) == 2 + len(motion.footsteps)
 
     def test_obstacle_and_margin_are_as_large_as_the_motion_says(self, motion, commands):

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepover.model import pose
+from stepover.model.collision import hull_of
 from stepover.model.description.links import Hinge
 from stepover.model.robot import Robot
 from stepover.model.support import corners_on_floor
@@ -40,7 +41,10 @@ LIFT = 0.002
 
 
 class Solid(NamedTuple):
-    """A solid of convex hulls, each given by its corners (V, 3), in the frame of a joint of Placements; 0: the world."""
+    """A solid of convex hulls, each given by its corners (V, 3), in the frame of a joint of Placements; 0 is the world.
+
+    A smooth one is round; others have flat faces.
+    """
 
     name: str
     hulls: list[np.ndarray]
@@ -172,8 +176,8 @@ def _rods(robot: Robot) -> dict[int, list[np.ndarray]]:
     middles = {joint: (low + high) / 2.0 for joint, (low, high) in boxes.items()}
     rods: dict[int, list[np.ndarray]] = {joint: [] for joint in boxes}
     for child, parent, hinge, single in _neighbours(robot, boxes):
-        along = (middles[child] @ hinge.axis) if single else 0.0
-        ends = {child: along * hinge.axis, parent: hinge.place.translation + hinge.place.rotation @ (along * hinge.axis)}
+        centre = middles[child] @ hinge.axis * hinge.axis if single else np.zeros(3)
+        ends = {child: centre, parent: hinge.place.translation + hinge.place.rotation @ centre}
         radius = ROD * min(float((boxes[joint][1] - boxes[joint][0]).min()) for joint in ends)
         for joint, end in ends.items():
             rods[joint].append(_rod(middles[joint], end, radius))
@@ -181,7 +185,7 @@ def _rods(robot: Robot) -> dict[int, list[np.ndarray]]:
 
 
 def _neighbours(robot: Robot, drawn: Collection[int]) -> Iterator[tuple[int, int, Hinge, bool]]:
-    """Drawn links that joints connect: child, parent, the first joint after the parent, and whether it is the only one."""
+    """Drawn links that joints connect: child, parent, the first joint behind the parent, whether it is the only one."""
     above, joint_of = robot.description.joint_above, robot.body.joint_of
     for link in robot.description.links:
         child, last = joint_of(link.name), above.get(link.name)
@@ -198,7 +202,7 @@ def _rod(start: np.ndarray, end: np.ndarray, radius: float) -> np.ndarray:
     """Corners (V, 3) of a rod with round ends between two points (3,)."""
     turn, tilt = np.meshgrid(np.linspace(0.0, 2.0 * np.pi, 20, endpoint=False), np.linspace(-np.pi, np.pi, 11) / 2.0)
     ball = np.stack([np.cos(tilt) * np.cos(turn), np.cos(tilt) * np.sin(turn), np.sin(tilt)], axis=-1).reshape(-1, 3)
-    return np.vstack([radius * ball + start, radius * ball + end])
+    return hull_of(np.vstack([radius * ball + start, radius * ball + end]))[0]
 
 
 def traces(motion: Motion) -> Iterator[Trace]:

@@ -119,7 +119,8 @@ def _middle(across: np.ndarray, deep: np.ndarray, tangent: float) -> tuple[float
     """Where a camera stands across its axis, and how far it stands back, to see points between two slopes.
 
     Args:
-        across, deep: (N,) places of the points across the axis, and along it from the world's origin [m].
+        across: (N,) places of the points across the axis [m].
+        deep: (N,) their places along it, from the world's origin [m].
         tangent: of half the angle of view.
     """
     high, low = (across - tangent * deep).max(), (across + tangent * deep).min()

@@ -16,7 +16,7 @@ RATE = 12.5
 """Pictures per second. A GIF counts in hundredths of a second."""
 BEFORE, AFTER = 0.4, 0.6
 """Time shown before lift-off of leg 1 and after touch-down of leg 2 [s]."""
-COLOURS, INK = 256, (40, 40, 40)
+COLOURS, SAMPLES, INK = 256, 5, (40, 40, 40)
 PHASES = ("walking", "phase 1: leg 1 over", "phase 2: both feet down", "phase 3: leg 2 over")
 
 
@@ -40,13 +40,20 @@ def save_gif(motion: Motion, pictures: Sequence[np.ndarray], times: np.ndarray, 
         InvalidInput: the folder does not exist or cannot be written to.
     """
     labelled = [_labelled(picture, time, motion) for picture, time in zip(pictures, times, strict=True)]
-    frames = [image.quantize(COLOURS, Image.Quantize.MAXCOVERAGE, kmeans=1) for image in labelled]
+    palette = _palette(labelled)  # one for all: what stands still is equal in all pictures and is stored once
+    frames = [image.quantize(palette=palette, dither=Image.Dither.NONE) for image in labelled]
     file = io.BytesIO()
     period = round(1e3 * float(times[1] - times[0]))
     frames[0].save(file, "GIF", save_all=True, append_images=frames[1:], duration=period, loop=0, optimize=False)
     target = Path(path) / f"{name}.gif"
     write_whole(target, lambda whole: whole.write(file.getvalue()))
     return target
+
+
+def _palette(images: Sequence[Image.Image]) -> Image.Image:
+    """The colours of pictures, taken from SAMPLES of them."""
+    chosen = [np.asarray(images[k]) for k in np.linspace(0, len(images) - 1, SAMPLES).astype(int)]
+    return Image.fromarray(np.concatenate(chosen)).quantize(COLOURS, Image.Quantize.MAXCOVERAGE, kmeans=1)
 
 
 def _labelled(picture: np.ndarray, time: float, motion: Motion) -> Image.Image:

@@ -39,7 +39,7 @@ def ground(camera: Camera) -> np.ndarray:
 
 def _lines(camera: Camera, rows: np.ndarray, distance: np.ndarray) -> np.ndarray:
     """Share (R, width) of each pixel that the floor's lines cover, in rows (R,) as in Camera, at distances (R,)."""
-    free = np.float32(1.0)
+    free = np.ones((len(rows), camera.size.width), dtype=np.float32)
     slope = camera.up[2] * rows + camera.forward[2]
     for axis in (0, 1):
         start = camera.up[axis] * rows + camera.forward[axis]
@@ -49,12 +49,12 @@ def _lines(camera: Camera, rows: np.ndarray, distance: np.ndarray) -> np.ndarray
             camera, distance * (turn * start - camera.up[axis] / camera.focal), distance * turn * camera.right[axis]
         )
         beside = np.abs(distance * camera.right[axis] / camera.focal).astype(np.float32)[:, None]
-        free = free * (1.0 - _covered(place, np.abs(above) + beside))
+        free *= 1.0 - _covered(place, np.abs(above) + beside)
     return np.asarray(1.0 - free)
 
 
 def _by_column(camera: Camera, start: np.ndarray, step: np.ndarray) -> np.ndarray:
-    """Values (R, width) that change along a row, from that in the middle and the change (R,) for a ray's unit to the right."""
+    """Values (R, width) that change evenly along rows: start (R,) in the middle, step (R,) for a slope of 1."""
     return np.asarray(start.astype(np.float32)[:, None] + step.astype(np.float32)[:, None] * camera.columns)
 
 
@@ -68,4 +68,5 @@ def _length(place: np.ndarray) -> np.ndarray:
     """Length of all lines from 0 to a place, across them [m]."""
     shifted = (place + np.float32(THICKNESS / 2.0)) / np.float32(GRID)
     whole = np.floor(shifted)
-    return np.asarray(whole * np.float32(THICKNESS) + np.minimum((shifted - whole) * np.float32(GRID), np.float32(THICKNESS)))
+    rest = np.minimum((shifted - whole) * np.float32(GRID), np.float32(THICKNESS))
+    return np.asarray(whole * np.float32(THICKNESS) + rest)

@@ -30,6 +30,10 @@ EDGE, OUTLINE, RIM = 0.66, 0.8, 1
 to either side."""
 
 
+Samples = tuple[np.ndarray, np.ndarray]
+"""Rows (K,) and columns (K,)."""
+
+
 class Layer(NamedTuple):
     """Triangles, their corners (T, 3, 2) in a picture, and the distances (T, 3) of these from the camera."""
 
@@ -80,8 +84,9 @@ def _put(picture: np.ndarray, camera: Camera, solid: Mesh, veil: Mesh | None) ->
 
 def _averaged(layer: np.ndarray) -> np.ndarray:
     """Samples (rows, columns, 4) as pixels."""
-    high = sum(layer[k::FINENESS] for k in range(FINENESS))
-    return np.asarray(sum(high[:, k::FINENESS] for k in range(FINENESS)) / np.float32(FINENESS**2))
+    rows = [layer[k::FINENESS] for k in range(FINENESS)]
+    parts = [row[:, k::FINENESS] for row in rows for k in range(FINENESS)]
+    return np.asarray(np.sum(parts, axis=0) / np.float32(FINENESS**2))
 
 
 def _facing(camera: Camera, mesh: Mesh) -> Layer:
@@ -91,7 +96,7 @@ def _facing(camera: Camera, mesh: Mesh) -> Layer:
     return Layer(mesh.only(facing), points[facing], distances[facing])
 
 
-def _looks(layer: Layer, buffer: np.ndarray, window: Window) -> tuple[tuple[np.ndarray, np.ndarray], np.ndarray, np.ndarray]:
+def _looks(layer: Layer, buffer: np.ndarray, window: Window) -> tuple[Samples, np.ndarray, np.ndarray]:
     """What a layer looks like in a window.
 
     Returns:
@@ -99,17 +104,17 @@ def _looks(layer: Layer, buffer: np.ndarray, window: Window) -> tuple[tuple[np.n
         the window (rows, columns) at the edge of a face.
     """
     mesh, points, _ = layer
-    where = np.nonzero(seen(buffer))
-    triangle = triangle_of(buffer[where])
+    rows, columns = np.nonzero(seen(buffer))
+    triangle = triangle_of(buffer[rows, columns])
     shades = AMBIENT + SKY * mesh.normals[..., 2] + SUN * np.maximum(mesh.normals @ LIGHT, 0.0)
     a, b, c = planes(FINENESS * points, shades).astype(np.float32).T
-    x, y = where[1] + np.float32(window.left + 0.5), where[0] + np.float32(window.top + 0.5)
+    x, y = columns + np.float32(window.left + 0.5), rows + np.float32(window.top + 0.5)
     shade = a[triangle] * x + b[triangle] * y + c[triangle]
     colours = np.ones((len(triangle), 4), dtype=np.float32)
     colours[:, :3] = mesh.colours.astype(np.float32)[triangle] * shade[:, None]
     faces = np.zeros(buffer.shape, dtype=np.int32)
-    faces[where] = mesh.faces[triangle]
-    return where, colours, _edges(faces, buffer)
+    faces[rows, columns] = mesh.faces[triangle]
+    return (rows, columns), colours, _edges(faces, buffer)
 
 
 def _edges(faces: np.ndarray, buffer: np.ndarray) -> np.ndarray:

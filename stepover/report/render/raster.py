@@ -1,8 +1,8 @@
 """Triangles to samples of a picture: which triangle is nearest at each sample, for all triangles at once.
 
 A triangle covers a span of samples in each row. Spans become fragments, and the nearest fragment of each sample stays.
-A fragment is one whole number: its distance in the high bits, its triangle in the low ones. So one minimum decides both,
-whatever the order of the triangles.
+A fragment is one whole number: its distance in the high bits, its triangle in the low ones. So one minimum decides
+both, whatever the order of the triangles.
 """
 
 from __future__ import annotations
@@ -130,7 +130,7 @@ def areas(corners: np.ndarray) -> np.ndarray:
 
 
 def planes(corners: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Coefficients (T, 3) a, b, c of values (T, 3) at corners (T, 3, 2): a value is a x + b y + c; a thin one, constant."""
+    """Coefficients (T, 3) a, b, c of values (T, 3) at corners (T, 3, 2), so that a value is a x + b y + c."""
     (x, y), (u, v) = ((corners[:, k] - corners[:, 0]).T for k in (1, 2))
     area = x * v - y * u
     area = np.where(np.abs(area) > THIN, area, np.inf)
