@@ -54,6 +54,8 @@ DOORS = {
     "mujoco": ("stepover.simulation.mujoco",),
     "meshcat": ("stepover.report.viewer",),
     "matplotlib.pyplot": ("stepover.report.figures",),
+    "imageio_ffmpeg": ("stepover.report.render.film",),
+    "PIL": ("stepover.report.render.gif",),
     "papermill": ("stepover.reproduction.run",),
     "joblib": ("stepover.studies.parallel",),
     "distributed": ("stepover.studies.parallel",),

@@ -1,4 +1,4 @@
-"""PyBullet, silenced, and what world and video share of it: loading a robot, naming its parts, placing it."""
+"""PyBullet, silenced, and what a world needs of it: loading a robot, naming its parts, placing it."""
 
 from __future__ import annotations
 
