@@ -161,7 +161,7 @@ def test_words_that_are_numbers():
     assert measured("margin-25") >= 10.0 * MARGIN
     assert measured("impact-ratio") > 0.9  # the landing force is not halved on rubber, but on rigid soles
     assert 0.45 < float(re.search(rf"rigid soles ({NUMBER})", CLAIMS["impact-ratio"]["reason"])[1]) < 0.55
-    assert "np.arange(0.0, run.duration, 0.64)" in source_of("pybullet_15cm")
+    assert "np.arange(start, end + 0.64, 0.64)" in source_of("pybullet_15cm")
 
 
 def test_readme_in_its_first_minute():

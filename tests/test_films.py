@@ -143,7 +143,10 @@ class TestJoints:
         way = np.vstack([np.linspace(*ends, 100) for ends in pairwise(places)])
         camera = Camera.around(way, (0.0, 1.0, -1e-3), checked(SIZE))
         gaps = []
-        for solids in (scene.links(robot), (solid for solid in scene.links(robot) if not solid.smooth)):
+        for solids in (
+            scene.links(robot),
+            (solid for solid in scene.links(robot) if not solid.name.endswith("/joints")),
+        ):
             corners, distances = camera.project(
                 Mesh.of(solid for solid in solids if solid.joint in own).placed(placed, 0).corners
             )
@@ -154,7 +157,7 @@ class TestJoints:
         assert gaps[1] > 5
 
     def test_the_legs_have_the_colours_of_the_figures(self, robot):
-        solids = {solid.name: solid.colour for solid in scene.links(robot) if not solid.smooth}
+        solids = {solid.name: solid.colour for solid in scene.links(robot) if not solid.name.endswith("/joints")}
         for joints, colour in ((robot.legs.left, style.LEFT), (robot.legs.right, style.RIGHT)):
             indices = {robot.body.index(joint) for joint in joints}
             links = {shape.link for shape in robot.shapes if shape.joint in indices}

@@ -147,11 +147,17 @@ class TestMesh:
         mesh = Mesh.of([Solid("two", [corners, corners + np.array([0.1, 0.0, 0.0])], "#FFFFFF")])
         assert len(np.unique(mesh.faces)) == 8, "four sides in common, and two ends of each"
 
-    def test_smooth_normals_of_a_ball(self):
-        angles = np.random.default_rng(1).normal(size=(300, 3))
-        ball = angles / np.linalg.norm(angles, axis=1, keepdims=True)
-        mesh = Mesh.of([Solid("ball", [ball], "#FFFFFF", smooth=True)])
-        assert np.einsum("tka,tka->tk", mesh.normals, mesh.corners).min() > 0.97
+    def test_what_bends_a_little_is_round(self):
+        height = np.linspace(-0.995, 0.995, 400)
+        turn, radius = 2.4 * np.arange(400), np.sqrt(1.0 - height**2)
+        ball = np.column_stack([radius * np.cos(turn), radius * np.sin(turn), height])
+        mesh = Mesh.of([Solid("ball", [ball], "#FFFFFF")])
+        assert np.einsum("tka,tka->tk", mesh.normals, mesh.corners).min() > 0.99
+        assert len(np.unique(mesh.faces)) == 1
+
+    def test_what_bends_sharply_has_edges(self):
+        mesh = Mesh.of([cube([0.0, 0.0, 0.0])])
+        assert (np.sort(np.abs(mesh.normals), axis=2) == [0.0, 0.0, 1.0]).all()
 
     def test_it_moves_with_its_joint(self):
         turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])

@@ -41,17 +41,13 @@ LIFT = 0.002
 
 
 class Solid(NamedTuple):
-    """A solid of convex hulls, each given by its corners (V, 3), in the frame of a joint of Placements; 0 is the world.
-
-    A smooth one is round; others have flat faces.
-    """
+    """A solid of convex hulls, given by their corners (V, 3), in the frame of a joint of Placements; 0: the world."""
 
     name: str
     hulls: list[np.ndarray]
     colour: str
     opacity: float = 1.0
     joint: int = 0
-    smooth: bool = False
 
 
 class Lines(NamedTuple):
@@ -155,7 +151,7 @@ def links(robot: Robot) -> Iterator[Solid]:
         hulls = [shape.vertices for shape in robot.shapes if shape.joint == joint]
         yield Solid(name, hulls, legs.get(joint, BODY), joint=joint)
         if rods[joint]:
-            yield Solid(f"{name}/joints", rods[joint], JOINT, joint=joint, smooth=True)
+            yield Solid(f"{name}/joints", rods[joint], JOINT, joint=joint)
 
 
 def _moved(robot: Robot) -> dict[int, str]:
