@@ -5,26 +5,25 @@ The module viewer passes them to meshcat, and render/ draws them.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Iterator
 from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
 
 from stepover.model import pose
-from stepover.model.collision import hull_of
-from stepover.model.description.links import Hinge
 from stepover.model.robot import Robot
 from stepover.model.support import corners_on_floor
 from stepover.motion.motion import Motion
 from stepover.report.figures.style import FIRST_STAGE, LEFT, OBSTACLE, PLANNED, RIGHT
+from stepover.report.rods import rods
 
 RATE = 50.0
 """Poses per second. The browser interpolates between them; standing feet stay in place to a millimetre."""
 COM, ZMP = FIRST_STAGE, PLANNED
 MARGIN, BODY, JOINT, FLOOR = "#DB3826", "#D6D8DD", "#8A9099", ("#F3F4F6", "#DCE0E6")
-VEIL, ROD = 0.3, 0.34
-"""Opacity of a margin; radius of a joint, as a share of the smallest side of its links."""
+VEIL = 0.3
+"""Opacity of a margin."""
 LEGEND = {LEFT: "left", RIGHT: "right", COM: "CoM, and its projection", ZMP: "ZMP", OBSTACLE: "obstacle",
           MARGIN: "safety margin"}  # fmt: skip
 TILE_SIZE, AROUND = 0.25, (1.0, 1.25)
@@ -146,59 +145,17 @@ def links(robot: Robot) -> Iterator[Solid]:
     """The robot's links in the frames of their joints, and its joints. The legs have the colours of their soles."""
     sides = ((robot.legs.left, LEFT), (robot.legs.right, RIGHT))
     legs = {robot.body.index(joint): colour for joints, colour in sides for joint in joints}
-    rods = _rods(robot)
+    filling = rods(robot)
     for joint, name in _moved(robot).items():
         hulls = [shape.vertices for shape in robot.shapes if shape.joint == joint]
         yield Solid(name, hulls, legs.get(joint, BODY), joint=joint)
-        if rods[joint]:
-            yield Solid(f"{name}/joints", rods[joint], JOINT, joint=joint)
+        if filling[joint]:
+            yield Solid(f"{name}/joints", filling[joint], JOINT, joint=joint)
 
 
 def _moved(robot: Robot) -> dict[int, str]:
     """The shapes that each joint moves, by the joint's index in Placements."""
     return {shape.joint: f"robot/{shape.link}" for shape in robot.shapes}
-
-
-def _rods(robot: Robot) -> dict[int, list[np.ndarray]]:
-    """Rods with round ends from the middle of each link to its joints, by the joint that moves the link.
-
-    Shapes end before a joint, so that they do not collide with each other as it bends. The rods fill these gaps. They
-    are drawn only; nothing is measured to them.
-    """
-    boxes = {}
-    for joint in _moved(robot):
-        corners = np.vstack([shape.vertices for shape in robot.shapes if shape.joint == joint])
-        boxes[joint] = corners.min(axis=0), corners.max(axis=0)
-    middles = {joint: (low + high) / 2.0 for joint, (low, high) in boxes.items()}
-    rods: dict[int, list[np.ndarray]] = {joint: [] for joint in boxes}
-    for child, parent, hinge, single in _neighbours(robot, boxes):
-        centre = middles[child] @ hinge.axis * hinge.axis if single else np.zeros(3)
-        ends = {child: centre, parent: hinge.place.translation + hinge.place.rotation @ centre}
-        radius = ROD * min(float((boxes[joint][1] - boxes[joint][0]).min()) for joint in ends)
-        for joint, end in ends.items():
-            rods[joint].append(_rod(middles[joint], end, radius))
-    return rods
-
-
-def _neighbours(robot: Robot, drawn: Collection[int]) -> Iterator[tuple[int, int, Hinge, bool]]:
-    """Drawn links that joints connect: child, parent, the first joint behind the parent, whether it is the only one."""
-    above, joint_of = robot.description.joint_above, robot.body.joint_of
-    for link in robot.description.links:
-        child, last = joint_of(link.name), above.get(link.name)
-        if child not in drawn or last is None:
-            continue
-        hinge = last
-        while joint_of(hinge.parent) not in drawn and hinge.parent in above:
-            hinge = above[hinge.parent]
-        if joint_of(hinge.parent) in drawn:
-            yield child, joint_of(hinge.parent), hinge, hinge is last
-
-
-def _rod(start: np.ndarray, end: np.ndarray, radius: float) -> np.ndarray:
-    """Corners (V, 3) of a rod with round ends between two points (3,)."""
-    turn, tilt = np.meshgrid(np.linspace(0.0, 2.0 * np.pi, 20, endpoint=False), np.linspace(-np.pi, np.pi, 11) / 2.0)
-    ball = np.stack([np.cos(tilt) * np.cos(turn), np.cos(tilt) * np.sin(turn), np.sin(tilt)], axis=-1).reshape(-1, 3)
-    return hull_of(np.vstack([radius * ball + start, radius * ball + end]))[0]
 
 
 def traces(motion: Motion) -> Iterator[Trace]:
