@@ -33,7 +33,7 @@ from stepover.simulation.measurements import Run
 BEFORE_FAILURE, AFTER_FAILURE = 1.0, 0.2
 """Time shown in a plot of a failure [s]."""
 CAPTION = 0.22
-"""Height of the time below a picture [in]."""
+"""Height of the time below a picture, and width of the name of a row [in]."""
 EVERY, SHOWN = 4, 0.3
 """Samples between the points of the clearance, and the largest clearance shown [m]."""
 
@@ -109,7 +109,7 @@ def clearance(robot: Robot, run: Run) -> Figure:
 def strip(frames: Sequence[np.ndarray], times: np.ndarray, columns: int = 4, names: Sequence[str] = ()) -> Figure:
     """Figs. 6 and 10: K frames (H, W, 3), row by row, with times (K,) [s] below. Each row may have a name."""
     rows = -(-len(frames) // columns)
-    height = 7.16 / columns * frames[0].shape[0] / frames[0].shape[1]
+    height = (7.16 - (CAPTION if names else 0.0)) / columns * frames[0].shape[0] / frames[0].shape[1]
     figure, axes = panels(rows, rows * (height + CAPTION), columns=columns)
     figure.get_layout_engine().set(w_pad=0.015, h_pad=0.015, wspace=0.0, hspace=0.0)  # type: ignore[union-attr,call-arg]
     for axis in axes.ravel():
