@@ -64,7 +64,7 @@ def load_body(description: Description, client: int) -> int:
                 if solid.kind == MESH:
                     hull = _obj(*hull_of(solid.corners))
                     place[link.name].with_suffix(f".{number}.obj").write_text(hull)
-        text = urdf_text(description, lambda link, n: str(place[link.name].with_suffix(f".{n}.obj")), visuals=True)
+        text = urdf_text(description, lambda link, n: str(place[link.name].with_suffix(f".{n}.obj")))
         (Path(folder) / "robot.urdf").write_text(text, encoding="utf-8")
         flags = pybullet.URDF_USE_INERTIA_FROM_FILE
         return int(pybullet.loadURDF(str(Path(folder) / "robot.urdf"), flags=flags, physicsClientId=client))
