@@ -57,5 +57,4 @@ def _absorbed(whole: Link, part: Link, place: Place) -> Link:
         other = part.inertia.placed(place)
         inertia = other if inertia.mass <= 0.0 else inertia.plus(other)
     solids = tuple(replace(solid, place=place.then(solid.place)) for solid in part.solids)
-    visuals = tuple(replace(visual, place=place.then(visual.place)) for visual in part.visuals)
-    return replace(whole, inertia=inertia, solids=whole.solids + solids, visuals=whole.visuals + visuals)
+    return replace(whole, inertia=inertia, solids=whole.solids + solids)

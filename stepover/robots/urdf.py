@@ -17,7 +17,7 @@ from stepover.model.description.links import Description, Hinge, Inertia, Link
 from stepover.robots.files import read_text
 from stepover.robots.findings import Findings
 from stepover.robots.merging import merged
-from stepover.robots.urdf_elements import attribute, inertia_of, number, origin_of, solid_of, vector, visual_of
+from stepover.robots.urdf_elements import attribute, inertia_of, number, origin_of, solid_of, vector
 
 MOST_BYTES = 20_000_000
 """Largest URDF that is read."""
@@ -93,13 +93,7 @@ class _Reader:
             self._part(where, lambda e=each: solid_of(e, self._path, name), None)  # type: ignore[misc]
             for each in element.findall("collision")
         ]
-        visuals = []
-        for each in element.findall("visual"):
-            try:
-                visuals.append(visual_of(each, self._path))
-            except InvalidInput as error:
-                self._findings.note(where, f"its visual is left out: {error}")
-        return Link(name, inertia, tuple(solid for solid in solids if solid), tuple(visuals))
+        return Link(name, inertia, tuple(solid for solid in solids if solid))
 
     def joint(self, element: ET.Element) -> Hinge | None:
         """A joint, revolute or fixed; None where it cannot be used."""

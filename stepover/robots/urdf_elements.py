@@ -10,15 +10,12 @@ from scipy.spatial.transform import Rotation
 
 from stepover.errors import InvalidInput
 from stepover.model.description.corners import corners_of
-from stepover.model.description.links import BOX, CYLINDER, MESH, ORIGIN, SPHERE, Inertia, Place, Solid, Visual
-from stepover.robots.files import find_file, require_readable
-from stepover.robots.meshes import MOST_BYTES, corners_of_mesh, require_solid
+from stepover.model.description.links import BOX, CYLINDER, MESH, ORIGIN, SPHERE, Inertia, Place, Solid
+from stepover.robots.files import find_file
+from stepover.robots.meshes import corners_of_mesh, require_solid
 
 SIZES = {BOX: ("size",), CYLINDER: ("radius", "length"), SPHERE: ("radius",)}
 """Attributes of the shapes."""
-VISIBLE = (".obj", ".stl", ".dae")
-"""Formats of the visual meshes that can be drawn."""
-GREY = (0.7, 0.7, 0.7, 1.0)
 LARGEST = 1e3
 """m, kg, kg m^2: no number of a walking robot's links is larger; one that is has another unit."""
 WIDEST = 2.0
@@ -137,25 +134,6 @@ def solid_of(element: ET.Element, urdf: Path, link: str) -> Solid:
     corners = corners_of_mesh(path) * _scale(mesh)
     require_solid(corners, str(path))
     return Solid(MESH, (), origin_of(element), corners, path.name)
-
-
-def visual_of(element: ET.Element, urdf: Path) -> Visual:
-    """What a link looks like.
-
-    Raises:
-        InvalidInput: an unknown kind, or a mesh that is missing or of a format that cannot be drawn.
-    """
-    kind, size, mesh = _geometry(element)
-    color = element.find("material/color")
-    rgba = GREY if color is None or not color.get("rgba") else tuple(vector(color, "rgba", 4).tolist())
-    if mesh is None:
-        return Visual(kind, size, origin_of(element), rgba)
-    path = find_file(attribute(mesh, "filename"), urdf.parent)
-    if path.suffix.lower() not in VISIBLE:
-        raise InvalidInput(f"{path.name} is not one of {', '.join(VISIBLE)}")
-    require_readable(path, MOST_BYTES)
-    x, y, z = _scale(mesh).tolist()
-    return Visual(MESH, (), origin_of(element), rgba, path, (x, y, z))
 
 
 def _geometry(element: ET.Element) -> tuple[str, tuple[float, ...], ET.Element | None]:

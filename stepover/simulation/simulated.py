@@ -23,7 +23,6 @@ from stepover.model.description.links import (
     Link,
     Place,
     Solid,
-    Visual,
 )
 from stepover.model.robot import Robot
 from stepover.simulation.disturbances import Disturbances
@@ -116,7 +115,6 @@ def _softened(robot: Robot, description: Description, foot: str) -> tuple[Descri
     """
     rubber, link = robot.sole, description.link_by_name[foot]
     solids = [shape for shape in link.solids if _touches(robot, shape)]
-    visuals = [shape for shape in link.visuals if _touches(robot, shape)]
     if not solids:
         raise InvalidInput(f"a compliant sole needs a box at the underside of {foot}")
     top = solids[0].place.translation[2] + solids[0].size[2] / 2.0
@@ -136,18 +134,16 @@ def _softened(robot: Robot, description: Description, foot: str) -> tuple[Descri
     parts[-1] = replace(
         parts[-1],
         solids=tuple(replace(shape, place=up.then(shape.place)) for shape in solids),
-        visuals=tuple(replace(shape, place=up.then(shape.place)) for shape in visuals),
     )
     whole = replace(
         link,
         inertia=rest,
         solids=tuple(shape for shape in link.solids if shape not in solids),
-        visuals=tuple(shape for shape in link.visuals if shape not in visuals),
     )
     return description.with_links(whole, *parts, joints=tuple(joints)), -top
 
 
-def _touches(robot: Robot, shape: Solid | Visual) -> bool:
+def _touches(robot: Robot, shape: Solid) -> bool:
     """Whether a shape of a foot is a box that touches the floor."""
     if shape.kind != BOX:
         return False

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from pathlib import Path
 
 import numpy as np
 
@@ -84,25 +83,12 @@ class Solid:
 
 
 @dataclass(frozen=True, eq=False)
-class Visual:
-    """What a link looks like: a primitive as in Solid, or a mesh file that is scaled; color as r, g, b, opacity."""
-
-    kind: str
-    size: tuple[float, ...]
-    place: Place
-    color: tuple[float, ...]
-    mesh: Path | None = None
-    scale: tuple[float, float, float] = (1.0, 1.0, 1.0)
-
-
-@dataclass(frozen=True, eq=False)
 class Link:
     """A rigid body with its shapes."""
 
     name: str
     inertia: Inertia
     solids: tuple[Solid, ...] = ()
-    visuals: tuple[Visual, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

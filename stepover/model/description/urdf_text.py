@@ -21,27 +21,23 @@ from stepover.model.description.links import (
     Link,
     Place,
     Solid,
-    Visual,
 )
 
 MeshName = Callable[[Link, int], str]
 """Name of the file that holds the hull of a link's shape, by the link and the shape's number."""
 
 
-def urdf_text(description: Description, mesh_name: MeshName | None = None, visuals: bool = False) -> str:
+def urdf_text(description: Description, mesh_name: MeshName | None = None) -> str:
     """The text of a URDF.
 
     Args:
         description: the robot.
         mesh_name: where the hulls of meshes lie; None leaves the shapes out.
-        visuals: whether to write what the links look like.
     """
     root = ET.Element("robot", name=description.name)
     for link in description.links:
         element = ET.SubElement(root, "link", name=link.name)
         _inertial(element, link.inertia)
-        for visual in link.visuals if visuals else ():
-            _visual(element, visual)
         for number, solid in enumerate(link.solids if mesh_name else ()):
             _collision(element, solid, mesh_name(link, number) if mesh_name and solid.kind == MESH else "")
     for joint in description.joints:
@@ -72,33 +68,19 @@ def _origin(element: ET.Element, place: Place) -> None:
     ET.SubElement(element, "origin", xyz=numbers(place.translation), rpy=numbers(angles))
 
 
-def _shape(element: ET.Element, kind: str, size: tuple[float, ...], mesh: str, scale: tuple[float, ...]) -> None:
-    """The geometry of a collision or a visual."""
-    geometry = ET.SubElement(element, "geometry")
-    if kind == BOX:
-        ET.SubElement(geometry, "box", size=numbers(size))
-    elif kind == CYLINDER:
-        ET.SubElement(geometry, "cylinder", radius=repr(size[0]), length=repr(size[1]))
-    elif kind == MESH:
-        ET.SubElement(geometry, "mesh", filename=mesh, scale=numbers(scale))
-    else:
-        ET.SubElement(geometry, "sphere", radius=repr(size[0]))
-
-
 def _collision(link: ET.Element, solid: Solid, mesh: str) -> None:
     """A shape that a link collides with."""
     element = ET.SubElement(link, "collision")
     _origin(element, solid.place)
-    _shape(element, solid.kind, solid.size, mesh, (1.0, 1.0, 1.0))
-
-
-def _visual(link: ET.Element, visual: Visual) -> None:
-    """What a link looks like."""
-    element = ET.SubElement(link, "visual")
-    _origin(element, visual.place)
-    _shape(element, visual.kind, visual.size, str(visual.mesh or ""), visual.scale)
-    name = "color " + numbers(visual.color)
-    ET.SubElement(ET.SubElement(element, "material", name=name), "color", rgba=numbers(visual.color))
+    geometry = ET.SubElement(element, "geometry")
+    if solid.kind == BOX:
+        ET.SubElement(geometry, "box", size=numbers(solid.size))
+    elif solid.kind == CYLINDER:
+        ET.SubElement(geometry, "cylinder", radius=repr(solid.size[0]), length=repr(solid.size[1]))
+    elif solid.kind == MESH:
+        ET.SubElement(geometry, "mesh", filename=mesh)
+    else:
+        ET.SubElement(geometry, "sphere", radius=repr(solid.size[0]))
 
 
 def _joint(root: ET.Element, joint: Hinge) -> None:
