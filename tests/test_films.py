@@ -121,6 +121,19 @@ record(motion, {str(tmp_path / "m.mp4")!r}, size=(64, 48))
         assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
         assert (tmp_path / "m.mp4").stat().st_size > 500
 
+    def test_the_command_films_mujoco_without_pybullet(self, standing, tmp_path):
+        standing.save(tmp_path / "m.npz")
+        code = """
+import runpy, sys
+sys.modules.update(pybullet=None)
+runpy.run_module("stepover", run_name="__main__", alter_sys=True)
+"""
+        options = ["simulate", tmp_path / "m.npz", "--engine", "mujoco", "--video", tmp_path / "m.mp4"]
+        done = subprocess.run([sys.executable, "-c", code, *options], capture_output=True, text=True)
+        assert (done.returncode, done.stderr) == (0, "")
+        assert f"video written to {tmp_path / 'm.mp4'}" in done.stdout
+        assert imageio.get_reader(tmp_path / "m.mp4").get_meta_data()["size"] == film.HD
+
     @pytest.mark.parametrize(("times", "size"), [([], SIZE), ([np.nan], SIZE), ([0.0], (640, 0)), ([0.0], (6.4, 4.8))])
     def test_bad_input(self, motion, robot, times, size):
         with pytest.raises(InvalidInput, match=r"times|size"):
