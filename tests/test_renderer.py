@@ -224,6 +224,13 @@ class TestPicture:
         other = camera.project(place * [-1.0, -1.0, 1.0])[0].astype(int)
         assert (with_it[other[1], other[0]] == empty[other[1], other[0]]).all()
 
+    @pytest.mark.parametrize(
+        "middle", [[50.0, 0.0, 0.5], [0.0, 0.0, 50.0], [0.0, -20.0, 0.5], [0.0, -4.0, 0.5], [0.0, 0.0, -5.0]]
+    )
+    def test_what_is_not_in_the_picture_leaves_the_floor(self, camera, middle):
+        empty = np.asarray(ground.ground(camera) * 255.0 + 0.5, dtype=np.uint8)
+        assert (draw(camera, Mesh.of([cube(middle)]), Mesh.of([cube(middle, side=0.4)])) == empty).all()
+
     def test_the_same_bytes_twice(self, camera):
         mesh, veil = Mesh.of([cube([0.1, 0.0, 0.4])]), Mesh.of([cube([0.1, 0.0, 0.4], side=0.3)])
         first = draw(camera, mesh, veil)

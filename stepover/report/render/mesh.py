@@ -68,7 +68,7 @@ def _triangles(solid: Solid) -> Mesh:
     for hull in solid.hulls:
         corners, triangles = hull_of(hull)
         placed = corners[triangles]
-        normals, faces = _bent(_normals(placed), triangles)
+        normals, faces = _bent(outwards(placed), triangles)
         size = len(triangles)
         parts.append(Mesh(placed, normals, np.full(size, solid.joint), np.tile(colour, (size, 1)), faces + count))
         count += size
@@ -76,7 +76,7 @@ def _triangles(solid: Solid) -> Mesh:
     return replace(mesh, faces=_with_planes(mesh))
 
 
-def _normals(corners: np.ndarray) -> np.ndarray:
+def outwards(corners: np.ndarray) -> np.ndarray:
     """Unit normals (T, 3) of triangles (T, 3, 3); zero for one without area."""
     across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     return np.asarray(across / np.maximum(np.linalg.norm(across, axis=1, keepdims=True), 1e-12))
@@ -97,7 +97,7 @@ def _bent(flat: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarr
 
 def _with_planes(mesh: Mesh) -> np.ndarray:
     """Faces (T,) in which also those are one that have a triangle in the same plane, to a mm."""
-    flat = _normals(mesh.corners)
+    flat = outwards(mesh.corners)
     planes = np.round(np.column_stack([flat, np.einsum("ta,ta->t", mesh.corners[:, 0], flat)]), 3) + 0.0
     _, first, which = np.unique(planes, axis=0, return_index=True, return_inverse=True)
     pairs = mesh.faces, mesh.faces[first[which.ravel()]]

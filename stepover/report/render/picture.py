@@ -13,7 +13,7 @@ from scipy.ndimage import binary_dilation, gaussian_filter
 
 from stepover.report.render.camera import Camera
 from stepover.report.render.ground import ground
-from stepover.report.render.mesh import Mesh
+from stepover.report.render.mesh import Mesh, outwards
 from stepover.report.render.raster import Window, areas, covered, nearest, planes, seen, triangle_of, window_of
 from stepover.report.scene import VEIL
 
@@ -52,7 +52,7 @@ def draw(camera: Camera, solid: Mesh, veil: Mesh | None = None) -> np.ndarray:
 
 def _darken(picture: np.ndarray, camera: Camera, solid: Mesh) -> None:
     """Cast the shadow of solids on the floor of a picture (height, width, 3)."""
-    lit = solid.corners[_across(solid.corners) @ LIGHT > 0.0]
+    lit = solid.corners[outwards(solid.corners) @ LIGHT > 0.0]
     points, distances = camera.project(lit - lit[..., 2:] / LIGHT[2] * LIGHT)
     blur = SOFTNESS * camera.size.height
     window = window_of(points, camera.size, 4.0 * blur)
@@ -125,8 +125,3 @@ def _edges(faces: np.ndarray, buffer: np.ndarray) -> np.ndarray:
         edge[one] |= differ & first
         edge[other] |= differ & ~first
     return edge
-
-
-def _across(corners: np.ndarray) -> np.ndarray:
-    """Vectors (T, 3) outwards from triangles (T, 3, 3)."""
-    return np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
