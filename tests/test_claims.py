@@ -35,12 +35,19 @@ each = pytest.mark.parametrize("name", CLAIMS)
 
 
 def claim(compare, paper=1.0, **more):
-    return Claim("x", "I", "says so", paper, compare, "good", **more)
+    return Claim("x", "I", "says so", paper, "printed", compare, "good", **more)
 
 
 def as_toml(**claims):
     """claims.toml of some claims, each a table of what differs from a plain one."""
-    plain = {"section": "I", "statement": "says so", "paper": 1.0, "compare": "within", "notebook": "good"}
+    plain = {
+        "section": "I",
+        "statement": "says so",
+        "paper": 1.0,
+        "judged_by": "ours",
+        "compare": "within",
+        "notebook": "good",
+    }
     rows = {name: plain | row for name, row in claims.items()}
     return "\n".join(
         f"[{n}]\n" + "\n".join(f"{k} = {json.dumps(v)}" for k, v in row.items()) for n, row in rows.items()
@@ -102,6 +109,7 @@ class TestRules:
             ({"statement": ""}, "statement"),
             ({"compare": "between", "bound": [2.0, 1.0]}, "lower one first"),
             ({"compare": "text"}, "compares with texts"),
+            ({"judged_by": "nobody"}, "judged_by = 'nobody' must be one of printed, ours, construction"),
             ({"colour": "red"}, "unknown key 'colour'"),
         ],
     )
@@ -122,9 +130,17 @@ class TestRules:
         with pytest.raises(InvalidInput, match="cannot be read"):
             read_claims(tmp_path / "none.toml")
 
-    def test_tally(self):
-        rows = [{"verdict": verdict} for verdict in (*VERDICTS, VERDICTS[0], VERDICTS[0], VERDICTS[1])]
-        assert tally(rows) == "Of 6 claims 3 hold, 2 differ, and 1 cannot be tested here."
+    def test_tally_counts_findings_alone(self):
+        one, two, three = VERDICTS
+        said = [("printed", one), ("ours", one), ("ours", two), ("printed", three), ("ours", one)]
+        rows = [{"judged_by": by, "verdict": verdict} for by, verdict in said]
+        words = (
+            "Of 5 findings 3 hold (1 by a bound that the paper prints, 2 by one of ours), 1 differ (0 and 1), and 1 "
+        )
+        words += "cannot be tested here. Not counted: "
+        assert tally(rows) == f"{words}0 that are true by construction."
+        setting = {"judged_by": "construction", "verdict": one}
+        assert tally([*rows, setting]) == f"{words}1 that is true by construction.", "it raises no count"
 
     def test_how_values_are_shown(self):
         values = [0.04, 1200.0, 30.03, 1.3e5, 7, "leg 2", None, [0.78, 7]]
@@ -151,7 +167,7 @@ class TestRecorder:
         assert first["parameters"] == {"height": 0.15, "sample": 3}
         assert {"stepover", "python", "numpy"} <= set(first["versions"])
         assert (second["measured"], second["verdict"]) == ([0.12], "differs")
-        assert judged.table().rows[1][1:] == ("1", "0.12", "differs", "since it is small")
+        assert judged.table().rows[1][1:] == ("1", "0.12", "differs", "ours", "since it is small")
 
     def test_a_claim_holds_if_it_holds_in_every_engine(self, known, tmp_path):
         judged = Recorder("good", tmp_path, known)
