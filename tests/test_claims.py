@@ -1,5 +1,6 @@
 """The claims: rules, records, and that claims.toml, claims.json, the pages and the notebooks agree."""
 
+import dataclasses
 import json
 import math
 import re
@@ -12,11 +13,11 @@ import numpy as np
 import pytest
 from test_reproduce import write
 
-from stepover.analysis import simplifications
+from stepover.analysis import simplifications, speed
 from stepover.errors import InvalidInput
 from stepover.locations import checkout
 from stepover.model.obstacle import Obstacle
-from stepover.planning.algorithm_1.planner import plan
+from stepover.planning.algorithm_1.planner import plan, plan_in_detail
 from stepover.reproduction import verdicts as module
 from stepover.reproduction.captions import read_captions
 from stepover.reproduction.claims import DIFFERS, VERDICTS, Claim, read_claims
@@ -431,7 +432,7 @@ class TestThePapersClaims:
         assert {row["verdict"] for row in shown_in_readme} == {"holds", "differs"}
 
     def test_all_are_there(self):
-        assert len(CLAIMS) == 42
+        assert len(CLAIMS) == 43
 
 
 class TestWhatIsMeasured:
@@ -472,12 +473,25 @@ class TestWhatIsMeasured:
         assert simplifications.leg_length(robot) == pytest.approx(0.705, abs=0.001)
         assert 0.5 < simplifications.upper_body_share(robot) < 1.0
 
-    def test_slowest(self, motion):
-        speed, when = simplifications.slowest(motion)
-        assert 0.0 < speed < 0.1
-        assert motion.time[0] < when < motion.footsteps.time[-1]
+    def test_forward_speed(self, motion):
+        least, mean, when = simplifications.forward_speed(motion)
+        assert 0.05 < least < mean < 0.3
+        landings = motion.footsteps.time
+        assert landings[0] <= when <= landings[3], "from the step before to the end of phase 3"
+
+    def test_a_robot_that_stops_is_slow(self, motion):
+        stopped = motion.com.copy()
+        stopped[motion.samples(1)] = stopped[motion.samples(1).start]
+        least, mean, _ = simplifications.forward_speed(dataclasses.replace(motion, com=stopped))
+        assert least < 0.1 * mean
 
     def test_planning_times(self, robot, obstacle, motion):
-        first, tick, in_sweeps, in_samples = simplifications.planning_times(robot, obstacle, motion, 1.0, 1)
+        first, tick, in_sweeps, in_samples = speed.planning_times(robot, obstacle, motion, 1.0, 1)
         assert min(first, tick, in_sweeps, in_samples) > 0.0
         assert first + tick * len(motion.time) == pytest.approx(1.0)
+
+    def test_an_online_tick_costs_more_than_its_share_of_a_batch(self, robot, obstacle):
+        planned = plan_in_detail(robot, obstacle)
+        tick, in_samples = speed.online_tick(robot, planned, 3)
+        assert 0.0 < tick < 0.1
+        assert in_samples > 5.0
