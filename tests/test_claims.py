@@ -1,5 +1,6 @@
 """The claims: rules, records, and that claims.toml, claims.json, the pages and the notebooks agree."""
 
+import dataclasses
 import json
 import math
 import re
@@ -12,11 +13,11 @@ import numpy as np
 import pytest
 from test_reproduce import write
 
-from stepover.analysis import simplifications
+from stepover.analysis import simplifications, speed
 from stepover.errors import InvalidInput
 from stepover.locations import checkout
 from stepover.model.obstacle import Obstacle
-from stepover.planning.algorithm_1.planner import plan
+from stepover.planning.algorithm_1.planner import plan, plan_in_detail
 from stepover.reproduction import verdicts as module
 from stepover.reproduction.captions import read_captions
 from stepover.reproduction.claims import DIFFERS, VERDICTS, Claim, read_claims
@@ -35,12 +36,19 @@ each = pytest.mark.parametrize("name", CLAIMS)
 
 
 def claim(compare, paper=1.0, **more):
-    return Claim("x", "I", "says so", paper, compare, "good", **more)
+    return Claim("x", "I", "says so", paper, "printed", compare, "good", **more)
 
 
 def as_toml(**claims):
     """claims.toml of some claims, each a table of what differs from a plain one."""
-    plain = {"section": "I", "statement": "says so", "paper": 1.0, "compare": "within", "notebook": "good"}
+    plain = {
+        "section": "I",
+        "statement": "says so",
+        "paper": 1.0,
+        "judged_by": "ours",
+        "compare": "within",
+        "notebook": "good",
+    }
     rows = {name: plain | row for name, row in claims.items()}
     return "\n".join(
         f"[{n}]\n" + "\n".join(f"{k} = {json.dumps(v)}" for k, v in row.items()) for n, row in rows.items()
@@ -102,6 +110,7 @@ class TestRules:
             ({"statement": ""}, "statement"),
             ({"compare": "between", "bound": [2.0, 1.0]}, "lower one first"),
             ({"compare": "text"}, "compares with texts"),
+            ({"judged_by": "nobody"}, "judged_by = 'nobody' must be one of printed, ours, construction"),
             ({"colour": "red"}, "unknown key 'colour'"),
         ],
     )
@@ -122,9 +131,17 @@ class TestRules:
         with pytest.raises(InvalidInput, match="cannot be read"):
             read_claims(tmp_path / "none.toml")
 
-    def test_tally(self):
-        rows = [{"verdict": verdict} for verdict in (*VERDICTS, VERDICTS[0], VERDICTS[0], VERDICTS[1])]
-        assert tally(rows) == "Of 6 claims 3 hold, 2 differ, and 1 cannot be tested here."
+    def test_tally_counts_findings_alone(self):
+        one, two, three = VERDICTS
+        said = [("printed", one), ("ours", one), ("ours", two), ("printed", three), ("ours", one)]
+        rows = [{"judged_by": by, "verdict": verdict} for by, verdict in said]
+        words = (
+            "Of 5 findings 3 hold (1 by a bound that the paper prints, 2 by one of ours), 1 differ (0 and 1), and 1 "
+        )
+        words += "cannot be tested here. Not counted: "
+        assert tally(rows) == f"{words}0 that are true by construction."
+        setting = {"judged_by": "construction", "verdict": one}
+        assert tally([*rows, setting]) == f"{words}1 that is true by construction.", "it raises no count"
 
     def test_how_values_are_shown(self):
         values = [0.04, 1200.0, 30.03, 1.3e5, 7, "leg 2", None, [0.78, 7]]
@@ -151,7 +168,7 @@ class TestRecorder:
         assert first["parameters"] == {"height": 0.15, "sample": 3}
         assert {"stepover", "python", "numpy"} <= set(first["versions"])
         assert (second["measured"], second["verdict"]) == ([0.12], "differs")
-        assert judged.table().rows[1][1:] == ("1", "0.12", "differs", "since it is small")
+        assert judged.table().rows[1][1:] == ("1", "0.12", "differs", "ours", "since it is small")
 
     def test_a_claim_holds_if_it_holds_in_every_engine(self, known, tmp_path):
         judged = Recorder("good", tmp_path, known)
@@ -415,7 +432,7 @@ class TestThePapersClaims:
         assert {row["verdict"] for row in shown_in_readme} == {"holds", "differs"}
 
     def test_all_are_there(self):
-        assert len(CLAIMS) == 42
+        assert len(CLAIMS) == 43
 
 
 class TestWhatIsMeasured:
@@ -456,12 +473,25 @@ class TestWhatIsMeasured:
         assert simplifications.leg_length(robot) == pytest.approx(0.705, abs=0.001)
         assert 0.5 < simplifications.upper_body_share(robot) < 1.0
 
-    def test_slowest(self, motion):
-        speed, when = simplifications.slowest(motion)
-        assert 0.0 < speed < 0.1
-        assert motion.time[0] < when < motion.footsteps.time[-1]
+    def test_forward_speed(self, motion):
+        least, mean, when = simplifications.forward_speed(motion)
+        assert 0.05 < least < mean < 0.3
+        landings = motion.footsteps.time
+        assert landings[0] <= when <= landings[3], "from the step before to the end of phase 3"
+
+    def test_a_robot_that_stops_is_slow(self, motion):
+        stopped = motion.com.copy()
+        stopped[motion.samples(1)] = stopped[motion.samples(1).start]
+        least, mean, _ = simplifications.forward_speed(dataclasses.replace(motion, com=stopped))
+        assert least < 0.1 * mean
 
     def test_planning_times(self, robot, obstacle, motion):
-        first, tick, in_sweeps, in_samples = simplifications.planning_times(robot, obstacle, motion, 1.0, 1)
+        first, tick, in_sweeps, in_samples = speed.planning_times(robot, obstacle, motion, 1.0, 1)
         assert min(first, tick, in_sweeps, in_samples) > 0.0
         assert first + tick * len(motion.time) == pytest.approx(1.0)
+
+    def test_an_online_tick_costs_more_than_its_share_of_a_batch(self, robot, obstacle):
+        planned = plan_in_detail(robot, obstacle)
+        tick, in_samples = speed.online_tick(robot, planned, 3)
+        assert 0.0 < tick < 0.1
+        assert in_samples > 5.0

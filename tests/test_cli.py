@@ -22,6 +22,7 @@ from stepover.errors import InvalidInput
 from stepover.planning.algorithm_1 import planner
 from stepover.report import summary
 from stepover.reproduction import run as module
+from stepover.reproduction.pages import tally
 from stepover.reproduction.verdicts import RECORDED
 
 PLAN_KEYS = {
@@ -358,11 +359,12 @@ class TestReproduce:
         monkeypatch.setattr(stepover.locations, "checkout", lambda: top)
         monkeypatch.setattr(module, "reproduce", lambda *_: written)
         (top / "figures").mkdir()
-        entries = [{"id": str(k), "verdict": "holds"} | dict.fromkeys(RECORDED[2:]) | {"measured": 1} for k in range(3)]
+        row = {"verdict": "holds", "judged_by": "ours"} | dict.fromkeys(RECORDED[2:]) | {"measured": 1}
+        entries = [{"id": str(k)} | row for k in range(3)]
         (top / "figures" / "claims.json").write_text(json.dumps(entries))
         result = call("reproduce")
         told = "written: 2 files in figures/, executed notebooks in build/notebooks/"
-        assert result.stdout.splitlines() == [told, "Of 3 claims 3 hold, 0 differ, and 0 cannot be tested here."]
+        assert result.stdout.splitlines() == [told, tally(entries)]
         written[:] = [top / "build" / "figures" / "a.png"]
         result = call("reproduce", "-p", "height=0.1")
         assert result.stdout == "written: 1 file in build/figures/, executed notebooks in build/experiment/\n"

@@ -65,6 +65,7 @@ WHATEVER_THE_HEIGHT = {
     "ubmg-waist-shift": "the arms as far back as they may go",
     "fta-lift": "no foot is lifted",
     "upper-body-mass": "the robot's",
+    "vertical-acceleration": "a low obstacle needs no planned height; 25 cm is always there",
     "no-stop": "the slowest moment comes before the obstacle",
 }
 """Numbers that another height of the obstacle need not change, and why."""

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import timeit
-from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import groupby
 
@@ -11,13 +9,9 @@ import numpy as np
 
 from stepover.analysis.planar.biped import planar_biped
 from stepover.model.gravity import GRAVITY
-from stepover.model.obstacle import Obstacle
 from stepover.model.robot import Robot
 from stepover.motion.footsteps import LEG_1, NORMAL
 from stepover.motion.motion import Motion
-from stepover.planning.algorithm_1.feasibility import key_configurations
-from stepover.planning.algorithm_1.feet_trajectories import feet_trajectories
-from stepover.planning.algorithm_1.step_sequence import Crossing, step_sequence
 
 
 @dataclass(frozen=True)
@@ -43,15 +37,26 @@ def leg_length(robot: Robot) -> float:
     return biped.thigh + biped.shank + biped.ankle_height
 
 
-def upper_body_share(robot: Robot) -> float:
-    """Share of the mass that is above the hip joints, the waist included."""
+def upper_body_share(robot: Robot, lighter: float = 0.0) -> float:
+    """Share of the mass that is above the hip joints, the waist included, with the waist lighter by a mass [kg]."""
     legs = sum(robot.body.mass_beyond(leg[0]) for leg in (robot.legs.left, robot.legs.right))
-    return 1.0 - legs / robot.body.mass
+    return 1.0 - legs / (robot.body.mass - lighter)
 
 
 def waist_above_com(motion: Motion) -> np.ndarray:
     """Height of the waist above the CoM (N,) [m]. Remark 4 assumes that it is constant."""
     return np.asarray(motion.waist[:, 2] - motion.com[:, 2])
+
+
+def waist_rise_over_com(motion: Motion) -> float:
+    """Mean of that height in the double support over the obstacle, minus the one at rest [m]."""
+    apart = waist_above_com(motion)
+    return float(apart[motion.samples(2)].mean() - apart[0])
+
+
+def vertical_acceleration(height: np.ndarray, dt: float) -> float:
+    """Largest vertical acceleration of a height (N,) over g."""
+    return float(np.abs(np.diff(height, 2)).max() / dt**2 / GRAVITY)
 
 
 def momentum(robot: Robot, motion: Motion) -> Momentum:
@@ -68,11 +73,16 @@ def momentum(robot: Robot, motion: Motion) -> Momentum:
     return Momentum(rms / cart_rms, rms[::-1] / weight, yaw, yaw / float(np.abs(cart).max()))
 
 
-def slowest(motion: Motion) -> tuple[float, float]:
-    """Smallest forward speed of the CoM from the first lift-off to the last landing [m/s], and when [s]."""
-    walking = np.flatnonzero(motion.support)
-    speed = np.gradient(motion.com[:, 0], motion.dt)[walking[0] : walking[-1] + 1]
-    return float(speed.min()), float(motion.time[walking[0] + speed.argmin()])
+def forward_speed(motion: Motion) -> tuple[float, float, float]:
+    """Least and mean forward speed of the CoM from the step before the obstacle to the end of phase 3 [m/s], and when.
+
+    The step before ends as leg 1 lifts off; it begins one double support after the landing before it.
+    """
+    before = int(np.flatnonzero(motion.footsteps.kind == LEG_1)[0]) - 1
+    landed = motion.footsteps.time[before - 1] if before > 0 else motion.time[np.flatnonzero(motion.support)[0]]
+    crossing = slice(int(np.searchsorted(motion.time, landed)), motion.samples(3).stop + 1)
+    speed = np.gradient(motion.com[:, 0], motion.dt)[crossing]
+    return float(speed.min()), float(speed.mean()), float(motion.time[crossing][speed.argmin()])
 
 
 def timing(motion: Motion) -> list[float]:
@@ -93,33 +103,3 @@ def special_steps(motion: Motion) -> float:
     starts = motion.time[np.flatnonzero((motion.support[1:] != 0) & (motion.support[:-1] == 0)) + 1]
     special = np.flatnonzero(motion.footsteps.kind != NORMAL)
     return float(motion.footsteps.time[special[-1]] - starts[special[0]])
-
-
-def planning_times(robot: Robot, obstacle: Obstacle, motion: Motion, whole: float, repeats: int) -> list[float]:
-    """Computing time of Algorithm 1 on this machine, from medians.
-
-    Args:
-        robot: the robot.
-        obstacle: the obstacle.
-        motion: the motion over the obstacle.
-        whole: computing time of the whole of Algorithm 1 [s].
-        repeats: number of repetitions of each measurement.
-
-    Returns:
-        Times of steps 1 and 2, and of steps 3 to 7 per sample [s]; the former over the time of the rigid-body dynamics
-        of the whole motion, the latter over that of one sample.
-    """
-
-    def planning() -> None:
-        sequence = step_sequence(robot, obstacle, key_configurations(robot, obstacle)[0], robot.rest_zmp())
-        feet_trajectories(Crossing(robot, obstacle, sequence))
-
-    first = _median_time(planning, repeats)
-    dynamics = _median_time(lambda: robot.body.contact_wrench(motion.q, motion.dt), repeats)
-    return [first, (whole - first) / len(motion.time), first / dynamics, (whole - first) / dynamics]
-
-
-def _median_time(work: Callable[[], object], repeats: int) -> float:
-    """Median duration of a call [s]. A first call is not counted."""
-    times = timeit.repeat(work, number=1, repeat=repeats + 1)[1:]
-    return float(np.median(times))

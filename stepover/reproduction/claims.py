@@ -19,6 +19,8 @@ from stepover.errors import InvalidInput
 from stepover.locations import data_folder
 
 HOLDS, DIFFERS, UNTESTED = VERDICTS = ("holds", "differs", "cannot be tested here")
+PRINTED, OURS, CONSTRUCTION = KINDS = ("printed", "ours", "construction")
+"""What judges a claim: a bound that the paper prints, a bound of ours, or nothing, as it is true by construction."""
 SLACK = 1e-9
 """Tolerance for rounding errors, as a share of the bound."""
 
@@ -45,6 +47,7 @@ class Claim:
         statement: of the paper, in our words.
         paper: the paper's number, numbers, or word.
         unit: of the numbers.
+        judged_by: one of KINDS. What is true by construction is a setting, not a finding: no tally counts it.
         compare: one of RULES, "between" or "text".
         bound: the value to compare with, if it is not `paper`.
         tolerance: in the unit; for "ratio" a share.
@@ -57,6 +60,7 @@ class Claim:
     section: str
     statement: str
     paper: Any
+    judged_by: str
     compare: str
     notebook: str
     unit: str = ""
@@ -70,6 +74,8 @@ class Claim:
         for name in ("section", "statement", "notebook", "unit", "figure", "compare"):
             if not isinstance(getattr(self, name), str) or (name in _REQUIRED and not getattr(self, name)):
                 raise InvalidInput(f"claim {self.id!r}: {name} = {getattr(self, name)!r} must be a text")
+        if self.judged_by not in KINDS:
+            raise InvalidInput(f"claim {self.id!r}: judged_by = {self.judged_by!r} must be one of {', '.join(KINDS)}")
         if self.compare not in (*RULES, "between", "text"):
             raise InvalidInput(f"claim {self.id!r}: compare = {self.compare!r} must be one of {', '.join(RULES)}, "
                                "between, text")  # fmt: skip
@@ -100,7 +106,7 @@ class Claim:
         return all(_is_number(x) and RULES[self.compare](x, bound, self.tolerance) for x, bound in pairs)
 
 
-_REQUIRED = ("section", "statement", "notebook", "compare")
+_REQUIRED = ("section", "statement", "notebook", "judged_by", "compare")
 
 
 def read_claims(path: Path | None = None) -> dict[str, Claim]:

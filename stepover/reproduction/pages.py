@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
+from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from stepover.report.tables.table import table
 from stepover.reproduction.captions import Caption
-from stepover.reproduction.claims import DIFFERS, HOLDS, UNTESTED
+from stepover.reproduction.claims import CONSTRUCTION, DIFFERS, HOLDS, OURS, PRINTED, UNTESTED, VERDICTS
 from stepover.reproduction.marked import with_block
 from stepover.reproduction.recorder import in_engines, shown
 
@@ -26,7 +27,11 @@ CLAIMS = """# The claims
 
 Each row compares a statement of the paper with our result. A claim links to its section below, which holds all details:
 numbers, rule, tolerance, parameters and versions. The same data is in [claims.json](../figures/claims.json). The rules
-are in [claims.toml](../data/claims.toml). Where the paper gives a word instead of a number, we chose the bound.
+are in [claims.toml](../data/claims.toml).
+
+The column *judged by* says where the bound comes from. *printed*: the paper gives it. *ours*: the paper gives a word,
+and we chose the bound; [claims.toml](../data/claims.toml) says why. *construction*: the planner makes it so. Such a row
+is a setting and not a finding, so the tally leaves it out.
 
 To find the line that computes a number, search the notebook for the name of the claim, such as `leg-ratio-15`.
 
@@ -44,9 +49,16 @@ Entry = dict[str, Any]
 
 
 def tally(entries: Sequence[Entry]) -> str:
-    """How many claims hold, differ and cannot be tested, in one line."""
-    holds, differ, untested = (sum(row["verdict"] == name for row in entries) for name in (HOLDS, DIFFERS, UNTESTED))
-    return f"Of {len(entries)} claims {holds} hold, {differ} differ, and {untested} cannot be tested here."
+    """How many findings hold, differ and cannot be tested, and by whose bound; and how many rows are settings."""
+    count = Counter((row["judged_by"], row["verdict"]) for row in entries)
+    settings = sum(count[CONSTRUCTION, verdict] for verdict in VERDICTS)
+    said = {verdict: count[PRINTED, verdict] + count[OURS, verdict] for verdict in VERDICTS}
+    line = (
+        f"Of {len(entries) - settings} findings {said[HOLDS]} hold ({count[PRINTED, HOLDS]} by a bound that the paper "
+        f"prints, {count[OURS, HOLDS]} by one of ours), {said[DIFFERS]} differ ({count[PRINTED, DIFFERS]} and "
+        f"{count[OURS, DIFFERS]}), and {said[UNTESTED]} cannot be tested here."
+    )
+    return f"{line} Not counted: {settings} that {'is' if settings == 1 else 'are'} true by construction."
 
 
 def readme_with(readme: Path, entries: Sequence[Entry]) -> str:
@@ -63,10 +75,16 @@ def readme_with(readme: Path, entries: Sequence[Entry]) -> str:
 def claims_page(entries: Sequence[Entry]) -> str:
     """All claims as a table, then a section for each one. The id of a claim is the anchor of its section."""
     rows = [
-        (f"[{row['statement']}](#{row['id']})", *_numbers(row), judgement(row), f"{row['section']}; {_places(row)}")
+        (
+            f"[{row['statement']}](#{row['id']})",
+            *_numbers(row),
+            judgement(row),
+            row["judged_by"],
+            f"{row['section']}; {_places(row)}",
+        )
         for row in entries
     ]
-    overview = table("claim | paper | here | verdict | where", rows)._repr_markdown_()
+    overview = table("claim | paper | here | verdict | judged by | where", rows)._repr_markdown_()
     return "\n".join([GENERATED + CLAIMS, tally(entries), "", overview, *map(_claim, entries)]) + "\n"
 
 

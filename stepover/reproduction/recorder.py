@@ -84,10 +84,11 @@ class Recorder:
     def table(self) -> Table:
         """The records so far."""
         rows = [
-            (one.statement, shown(one.paper, one.unit), in_engines(row, one.unit), row["verdict"], row["reason"])
+            (one.statement, shown(one.paper, one.unit), in_engines(row, one.unit), row["verdict"], one.judged_by,
+             row["reason"])
             for row in self.records.values() for one in [self.claims[row["id"]]]
         ]  # fmt: skip
-        return table("claim | paper | here | verdict | reason, or what it depends on", rows)
+        return table("claim | paper | here | verdict | judged by | reason, or what it depends on", rows)
 
     def _write(self) -> None:
         """Write all records so far, completely or not at all."""

@@ -110,7 +110,7 @@ def entry(claim: Claim, record: Entry) -> Entry:
     said = dataclasses.asdict(claim)
     measured = {name: record[name] for name in (*RECORDED, "engines") if name in record or name in RECORDED}
     first = {name: said[name] for name in ("id", "section", "statement", "paper", "unit")}
-    then = {name: said[name] for name in ("compare", "bound", "tolerance", "varies", "notebook", "figure")}
+    then = {name: said[name] for name in ("judged_by", "compare", "bound", "tolerance", "varies", "notebook", "figure")}
     return first | {"measured": measured.pop("measured")} | then | measured
 
 

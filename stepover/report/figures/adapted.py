@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from stepover.analysis.outline import depth, outline
 from stepover.analysis.stages import Stage, lead_knee, postures
 from stepover.model.kinematics import Placements
 from stepover.model.obstacle import Obstacle
@@ -156,8 +157,8 @@ def _sticks(axis: Axes, robot: Robot, obstacle: Obstacle, stage: Stage) -> str:
     placed = robot.body.placements(q)
     front = stage.sequence.front_face
     rectangle = obstacle.profile(0.0, margins=True)
-    lines = [line - [front, 0.0] for line in _outline(robot, placed, step.side)]
-    depths = np.max([_depth(line, rectangle).max(axis=1) for line in lines], axis=0)
+    lines = [line - [front, 0.0] for line in outline(robot, placed, step.side)]
+    depths = np.max([depth(line, rectangle).max(axis=1) for line in lines], axis=0)
     deepest = int(depths.argmax())
     colour, labelled = LEFT if step.side > 0 else RIGHT, depths.max() > 0.0
     for k in range(0, len(q), round(STICK_EVERY / robot.walk.sample_time)):
@@ -179,30 +180,8 @@ def _sticks(axis: Axes, robot: Robot, obstacle: Obstacle, stage: Stage) -> str:
 
 def _mark_inside(axis: Axes, line: np.ndarray, rectangle: np.ndarray, width: float, label: str | None = None) -> None:
     """Mark the part of a line (P, 2) that lies inside a rectangle."""
-    inside = np.where(_depth(line, rectangle)[:, None] > 0.0, line, np.nan)
+    inside = np.where(depth(line, rectangle)[:, None] > 0.0, line, np.nan)
     axis.plot(*inside.T, color=SIMULATED, lw=width, zorder=5, label=label)
-
-
-def _outline(robot: Robot, placed: Placements, side: int, points: int = 60) -> list[np.ndarray]:
-    """The two lines L1 ... L4 and L5 ... L7 of a leg, densely sampled: (N, points, 2) each [m]."""
-    joints = robot.legs.left if side > 0 else robot.legs.right
-    knee = next(robot.body.index(joint) for joint in robot.legs.knee if joint in joints)
-    rotations, centres = placed.rotations[:, knee][:, [0, 2]][:, :, [0, 2]], placed.positions[:, knee][:, [0, 2]]
-    lines = []
-    for line in (robot.outline.front, robot.outline.rear):
-        corners = np.array(line)
-        along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(corners, axis=0), axis=1))])
-        at = np.sort(np.concatenate([np.linspace(0.0, along[-1], points - len(along)), along]))
-        dense = np.column_stack([np.interp(at, along, corners[:, axis]) for axis in (0, 1)])
-        lines.append(dense @ np.swapaxes(rotations, 1, 2) + centres[:, None])
-    return lines
-
-
-def _depth(points: np.ndarray, rectangle: np.ndarray) -> np.ndarray:
-    """Depth of points (N, P, 2) inside a rectangle: (N, P) [m], the shortest distance to its edge, 0 outside."""
-    x_min, x_max, _, top = rectangle
-    x, z = points[..., 0], points[..., 1]
-    return np.asarray(np.maximum(np.minimum(np.minimum(x - x_min, x_max - x), top - z), 0.0))
 
 
 def leg_links(robot: Robot, placed: Placements, side: int, sample: int) -> np.ndarray:
