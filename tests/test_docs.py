@@ -81,7 +81,7 @@ STATED = {
         "the red veil is the safety margin of {} cm": [MARGIN],
         "and ZMP every {} ms": [1e3 * load_robot("hrp2").walk.sample_time],
         "the paper's methods alone reach {} cm with our robot": [WITH_UBMG],
-        "both feet swing later, and {} cm keeps the margin too": [HIGH],
+        "swings both feet later instead: {} cm keeps the margin too": [HIGH],
         "takes {} s at our ZMP tolerance of {} mm": [
             measured("quasi-static-time"),
             1e3 * asked("quasi_static_vs_dynamic", "epsilon"),

@@ -16,6 +16,7 @@ from stepover.studies.agreement import NO
 NOTEBOOKS = sorted((Path(__file__).parents[1] / "notebooks").glob("*.ipynb"))
 FIGURES = {
     "adaptation": {"adaptation_clearance", "waist_yaw_frontier", "obstacle_plane"},
+    "beyond_the_paper": {"crossing_optimal", "frontier", "limits_used", "optimal_strip"},
     "feasibility_domains": {"fig2_feasibility_domains", "feasibility_by_height", "feasibility_unit"},
     "landing_impact": {
         "fig3_leg_1_landing",
@@ -73,6 +74,7 @@ OTHERWISE = {
     "pybullet_15cm": "its claim is a word",
     "robustness": "refuses a motion that its table was not made from",
     "two_engines": "it has no claims",
+    "beyond_the_paper": "it has no claims",
     "servos_and_soles": "its claim is read from a table over all heights",
 }
 """Notebooks without a number that depends on the height."""

@@ -11,6 +11,7 @@ from stepover.report.figures.landing import (
     spline_and_polynomial,
 )
 from stepover.report.figures.limits import clearance_by_units, highest_with_and_without_yaw, obstacle_plane
+from stepover.report.figures.optimal import frontier, limits_used
 from stepover.report.figures.planned import lateral_direction, preview_forms, walking_direction
 from stepover.report.figures.posture import key_configuration
 from stepover.report.figures.robustness import breaking, robustness
@@ -48,6 +49,7 @@ __all__ = [
     "estimated",
     "failure",
     "feasibility_domains",
+    "frontier",
     "heights_with_servos",
     "highest_with_and_without_yaw",
     "key_configuration",
@@ -57,6 +59,7 @@ __all__ = [
     "lateral_direction",
     "leg_1_landing",
     "leg_joints",
+    "limits_used",
     "obstacle_plane",
     "planned_and_simulated",
     "preview_forms",
