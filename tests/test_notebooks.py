@@ -65,6 +65,7 @@ WHATEVER_THE_HEIGHT = {
     "margin-25": "ideal motors keep the plan's clearance to 0.1 mm, and the plan keeps 33 mm over any height",
     "ubmg-waist-shift": "the arms as far back as they may go",
     "fta-lift": "no foot is lifted",
+    "fta-step": "no foothold is moved",
     "upper-body-mass": "the robot's",
     "vertical-acceleration": "a low obstacle needs no planned height; 25 cm is always there",
     "no-stop": "the slowest moment comes before the obstacle",
