@@ -348,7 +348,7 @@ class TestReproduce:
         refused(call("reproduce", "-p", "hight=0.2"), 2, "hight", "height")
 
     def test_a_value_of_the_wrong_type(self):
-        refused(call("reproduce", "-p", "height=high"), 2, "height", "0.15")
+        refused(call("reproduce", "-p", "height=high"), 2, "height", "a finite number, such as")
 
     def test_where_the_figures_go_is_not_for_the_user_to_say(self):
         refused(call("reproduce", "-p", "output=here"), 2, "output")
