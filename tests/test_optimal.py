@@ -42,7 +42,7 @@ def test_every_limit_is_kept(robot, best):
     assert best.torque.ratio < RESERVES.torque_share + 0.02
     apart = self_clearance(thigh_pairs(robot), robot.body.placements(best.motion.q), 1)[0]
     assert apart > 0.004
-    assert best.self_clearance == pytest.approx(min(apart, best.self_clearance), abs=1e-5)  # it looks at every other sample
+    assert best.self_clearance == pytest.approx(min(apart, best.self_clearance), abs=1e-5)
 
 
 def test_it_begins_and_ends_in_the_walk(robot, best):
