@@ -53,7 +53,10 @@ FIGURES = {
     },
     "stepover_25cm": {"fig5_stick_diagram", "fig7_waist_and_feet", "ubmg_lead_knee"},
 }
-OBSTACLES = {"adaptation": [0.15, 0.20, 0.25], "pybullet_25cm": 0.25, "stepover_25cm": 0.25}
+OBSTACLES = {
+    "adaptation": [0.15, 0.20, 0.25],
+    **dict.fromkeys(("beyond_the_paper", "pybullet_25cm", "stepover_25cm"), 0.25),
+}
 """Height [m] that a notebook has for a default, where it is not 0.15."""
 COARSE = {"waist-yaw", "without-ubmg"}
 """Claims whose number is found on a coarser grid with quick parameters."""
@@ -65,7 +68,9 @@ WHATEVER_THE_HEIGHT = {
     "margin-25": "ideal motors keep the plan's clearance to 0.1 mm, and the plan keeps 33 mm over any height",
     "ubmg-waist-shift": "the arms as far back as they may go",
     "fta-lift": "no foot is lifted",
+    "chest-for-arms": "the robot's",
     "fta-step": "no foothold is moved",
+    "second-stage": "the largest error is at the touch-down of a normal step",
     "upper-body-mass": "the robot's",
     "vertical-acceleration": "a low obstacle needs no planned height; 25 cm is always there",
     "no-stop": "the slowest moment comes before the obstacle",

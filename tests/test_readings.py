@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from stepover.analysis import outline, simplifications, zmp_errors
-from stepover.analysis.upper_body import com_back, upper_links, upper_momentum_share
+from stepover.analysis.upper_body import chest_and_arms, com_back, trunk_joints, upper_links, upper_momentum_share
 from stepover.errors import InvalidInput
 from stepover.reproduction.claims import read_claims
 
@@ -62,6 +62,13 @@ class TestUpperBody:
         chest = [com_back(robot, ["CHEST_JOINT1"], -angle) for angle in (0.2, 0.4)]
         assert arms == pytest.approx(0.0166, abs=2e-4)
         assert chest == pytest.approx([0.0023, 0.0023], abs=1e-4), "5 degrees back, whatever is asked for"
+        assert trunk_joints(robot) == ["CHEST_JOINT1"]
+        assert chest_and_arms(robot) == pytest.approx((chest[-1], arms))
+
+    def test_a_chest_that_leans_further_breaks_the_claim(self, robot):
+        chest, arms = chest_and_arms(robot)
+        assert CLAIMS["chest-for-arms"].holds(chest / arms)
+        assert not CLAIMS["chest-for-arms"].holds(0.6)
 
 
 class TestOutline:

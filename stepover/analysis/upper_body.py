@@ -53,6 +53,20 @@ def com_back(robot: Robot, joints: list[str], angle: float) -> float:
     return float(com[0, 0] - com[1, 0])
 
 
+def trunk_joints(robot: Robot) -> list[str]:
+    """Joints between waist and shoulders that can lean the chest: all but its yaw."""
+    body = robot.body
+    above = {joint for name in robot.upper_body.shoulders for joint in body.model.supports[body.index(name)]}
+    known = {*robot.upper_body.shoulders, robot.upper_body.chest_yaw}
+    return [name for name in body.joint_names if name not in known and body.index(name) in above]
+
+
+def chest_and_arms(robot: Robot) -> tuple[float, float]:
+    """How far the CoM goes back where the chest leans to its limit, and where the arms swing as far as UBMG may [m]."""
+    arms = com_back(robot, list(robot.upper_body.shoulders), np.radians(robot.upper_body.arm_swing_max_deg))
+    return max(com_back(robot, trunk_joints(robot), angle) for angle in (-np.pi, np.pi)), arms
+
+
 def _turning(turns: np.ndarray, dt: float) -> np.ndarray:
     """Angular velocity (N, 3) of rotations (N, 3, 3) in the world [rad/s]."""
     skew = np.gradient(turns, dt, axis=0) @ np.swapaxes(turns, 1, 2)

@@ -28,11 +28,13 @@ def frontier(paper: Sequence[Crossing], found: Sequence[Found]) -> Figure:
     known = [(row.width, row.height) for row in paper if row.planned and row.crossed]
     axis.scatter(*_cm(known), s=64, marker="s", color=SIMULATED, alpha=0.35, lw=0, label="Algorithm 1 crosses")
     real = [row for row in found if row.planned and (row.mujoco_real or 0.0) >= ENOUGH]
-    near = [row for row in found if row.planned and (row.mujoco_real or 0.0) < ENOUGH]
+    near = [row for row in found if row.planned and 0.0 <= (row.mujoco_real or 0.0) < ENOUGH]
+    failed = [row for row in found if row.planned and (row.mujoco_real or 0.0) < 0.0]
     refused = [row for row in found if not row.planned]
     for rows, style, label in (
         (real, {"marker": "o", "color": PLANNED}, "optimiser crosses, real motors too"),
         (near, {"marker": "o", "facecolor": "white", "edgecolor": PLANNED}, "the same, by less than 20 mm"),
+        (failed, {"marker": "v", "color": SIMULATED}, "it falls or touches with real motors"),
         (refused, {"marker": "x", "color": REFERENCE}, "optimiser refuses"),
     ):
         if rows:

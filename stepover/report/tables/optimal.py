@@ -4,11 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+import numpy as np
+
+from stepover.analysis.key_posture import knees_from_straight
 from stepover.model.robot import Robot
 from stepover.model.self_collision import self_clearance
+from stepover.motion.footsteps import LEG_1, LEG_2
 from stepover.motion.motion import Motion
 from stepover.planning.measures import measure
+from stepover.planning.optimal.channels import euler
 from stepover.planning.optimal.constraints.own_links import thigh_pairs
+from stepover.planning.optimal.planner import EVERY
 from stepover.planning.optimal.torques import largest_torque
 from stepover.report.tables.table import Table, table
 from stepover.studies.optimal.disturbed import CASES, Disturbed
@@ -23,7 +29,7 @@ def planners_table(robot: Robot, motions: Mapping[str, Motion]) -> Table:
     pairs, lines = [*thigh_pairs(robot), *robot.own_pairs], []
     for name, motion in motions.items():
         found, torque = measure(robot, motion), largest_torque(robot, motion)
-        apart, one, other, _ = self_clearance(pairs, robot.body.placements(motion.q), 2)
+        apart, one, other, _ = self_clearance(pairs, robot.body.placements(motion.q), EVERY)
         lines.append((
             name, f"{1e3 * found.clearance_min:.1f}", f"{1e3 * found.zmp_margin_min:.1f}",
             f"{found.joint_speed_ratio_max:.2f} ({found.joint_speed_joint})", f"{torque.ratio:.2f} ({torque.joint})",
@@ -32,6 +38,24 @@ def planners_table(robot: Robot, motions: Mapping[str, Motion]) -> Table:
     return table(
         "motion | clearance [mm] | ZMP margin [mm] | speed over limit | torque over limit | own links apart [mm]", lines
     )
+
+
+def moves_table(robot: Robot, motions: Mapping[str, Motion]) -> Table:
+    """How each motion goes over the obstacle: waist, swinging feet, and the lead knee as it lands."""
+    lines = []
+    for name, motion in motions.items():
+        over = slice(motion.samples(1).start, motion.samples(3).stop)
+        turns = np.degrees(np.abs(euler(motion.waist[over])[:, 3:])).max(axis=0)
+        aside = []
+        for phase, kind in ((1, LEG_1), (3, LEG_2)):
+            path = motion.foot(int(motion.footsteps.of_kind(kind).side[0]))[motion.samples(phase), 1]
+            aside.append(1e3 * float(np.abs(path - np.linspace(path[0], path[-1], len(path))).max()))
+        knees = knees_from_straight(robot, motion.q[motion.samples(1).stop])
+        lines.append((name, *(f"{turn:.0f}" for turn in turns), *(f"{one:.0f}" for one in aside), f"{knees.min():.0f}"))
+    return table(
+        "motion | waist's yaw [deg] | pitch [deg] | roll [deg] | leg 1 aside [mm] | leg 2 aside [mm] "
+        "| straighter knee as leg 1 lands, from straight [deg]", lines,
+    )  # fmt: skip
 
 
 def frontier_table(rows: Sequence[Found]) -> Table:
@@ -69,7 +93,16 @@ def random_table(rows: Sequence[Found]) -> Table:
     return table(
         "random obstacles | planned | cross with ideal and real motors | least clearance, ideal [mm] | real [mm] "
         "| most saturated",
-        [(len(some), len(planned), crossed, least("mujoco_ideal"), least("mujoco_real"), f"{1e2 * most:.1f} %")],
+        [
+            (
+                len(some),
+                len(planned),
+                crossed,
+                least("mujoco_ideal"),
+                least("mujoco_real"),
+                f"{1e2 * most:.1f} %",
+            )
+        ],
     )
 
 
