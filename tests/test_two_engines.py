@@ -92,13 +92,13 @@ def outcomes(kind, crossed):
 
 
 def test_where_it_breaks():
-    sharp = outcomes("push", [True] * 6 + [False] * 6)
+    sharp = outcomes("push", [True] * 10 + [False] * 10)
     assert breaking.borne(sharp, 0.5) == pytest.approx(200.0, abs=5.0)
     assert 150.0 < breaking.borne(sharp, 0.95) < 195.0
-    soft = outcomes("push", [True] * 4 + [False, True, True, False] + [False] * 4)
+    soft = outcomes("push", [True] * 8 + [False, True, True, False] + [False] * 8)
     assert breaking.borne(soft, 0.5) == pytest.approx(200.0, abs=10.0)
     assert breaking.borne(soft, 0.95) < breaking.borne(sharp, 0.95)
-    falling = outcomes("friction", [True] * 6 + [False] * 6)
+    falling = outcomes("friction", [True] * 10 + [False] * 10)
     assert breaking.borne(falling, 0.5) == pytest.approx(0.325, abs=0.01)
     assert breaking.borne(falling, 0.95) > 0.33, "less friction is harder"
-    assert np.isnan(breaking.borne(outcomes("push", [True] * 12), 0.5))
+    assert np.isnan(breaking.borne(outcomes("push", [True] * 20), 0.5))

@@ -25,7 +25,7 @@ from stepover.studies.study import ENGINE, Row, make_table, read_rows, robot_of,
 NAME = "breaking_points"
 HEIGHT, WIDTH = 0.15, 0.05
 """Size of the paper's obstacle [m]."""
-DRAWS = 12
+DRAWS = 20
 """Draws of each disturbance, their sizes evenly spaced."""
 SEED = 0
 Perturb = dict[str, float]

@@ -71,7 +71,7 @@ def frontier_table(rows: Sequence[Found]) -> Table:
         lines.append((
             size, _mm(row.clearance), _mm(row.zmp_margin), _mm(row.own_links), str(row.iterations),
             f"{_mm(row.pybullet_ideal)}, {_mm(row.mujoco_ideal)}", f"{_mm(row.pybullet_real)}, {_mm(row.mujoco_real)}",
-            f"{_percent(row.pybullet_saturated)}, {_percent(row.mujoco_saturated)} %",
+            f"{_share(row.pybullet_saturated, row)}, {_share(row.mujoco_saturated, row)} %",
         ))  # fmt: skip
     return table(
         "height x width [cm] | clearance [mm] | ZMP margin [mm] | own links [mm] | iterations | ideal [mm] "
@@ -89,7 +89,7 @@ def random_table(rows: Sequence[Found]) -> Table:
         return _mm(min(getattr(row, name) for row in planned))
 
     crossed = sum((row.mujoco_ideal or -1.0) > 0.0 and (row.mujoco_real or -1.0) > 0.0 for row in planned)
-    most = max(row.mujoco_saturated or 0.0 for row in planned)
+    most = max(planned, key=lambda row: row.mujoco_saturated or 0)
     return table(
         "random obstacles | planned | cross with ideal and real motors | least clearance, ideal [mm] | real [mm] "
         "| most saturated",
@@ -100,7 +100,7 @@ def random_table(rows: Sequence[Found]) -> Table:
                 crossed,
                 least("mujoco_ideal"),
                 least("mujoco_real"),
-                f"{1e2 * most:.1f} %",
+                f"{_share(most.mujoco_saturated, most)} %",
             )
         ],
     )
@@ -125,6 +125,6 @@ def _mm(value: float | None) -> str:
     return "-" if value is None else f"{1e3 * value:.1f}"
 
 
-def _percent(share: float | None) -> str:
-    """A share in percent."""
-    return "-" if share is None else f"{1e2 * share:.1f}"
+def _share(samples: int | None, row: Found) -> str:
+    """How many of a motion's samples, in percent."""
+    return "-" if samples is None or row.samples is None else f"{1e2 * samples / row.samples:.1f}"

@@ -75,7 +75,8 @@ class Found:
         iterations: of the SQP.
         motion: hash of the motion.
         *_ideal, *_real: by engine and equipment, the smallest clearance [m], negative without a crossing.
-        *_saturated: with real motors, share of the samples in which a servo gives all that it can.
+        *_saturated: with real motors, how often a servo gives all that it can, in samples of 5 ms, all joints added up.
+        samples: of the motion.
         *_speed: with real motors, largest joint speed over its limit.
     """
 
@@ -93,13 +94,14 @@ class Found:
     own_links: float | None = None
     iterations: int | None = None
     motion: str | None = None
+    samples: int | None = None
     pybullet_ideal: float | None = None
     pybullet_real: float | None = None
-    pybullet_saturated: float | None = None
+    pybullet_saturated: int | None = None
     pybullet_speed: float | None = None
     mujoco_ideal: float | None = None
     mujoco_real: float | None = None
-    mujoco_saturated: float | None = None
+    mujoco_saturated: int | None = None
     mujoco_speed: float | None = None
 
 
@@ -141,13 +143,13 @@ def carry_out(point: Point) -> Row:
             run = simulate(motion, robot=robot, engine=engine, **equipment)
             found[f"{engine}_{name}"] = rounded(run.clearance_min if run.crossed else -1.0)
             if name == REAL:
-                share = (np.abs(run.series.torque) >= 0.99 * robot.body.effort_limits).any(axis=1).mean()
-                found[f"{engine}_saturated"] = rounded(share)
-                found[f"{engine}_speed"] = rounded(np.abs(run.series.dq / robot.body.speed_limits).max(), 3)
+                found[f"{engine}_saturated"] = sum(run.torque_saturated_samples.values())
+                found[f"{engine}_speed"] = rounded(run.speed_ratio_max, 3)
     return dataclasses.asdict(dataclasses.replace(
         row, planned=True, clearance=rounded(measured.clearance_min), zmp_margin=rounded(measured.zmp_margin_min),
         speed_ratio=rounded(measured.joint_speed_ratio_max, 3), torque_ratio=rounded(plan.torque.ratio, 3),
-        own_links=rounded(plan.self_clearance), iterations=plan.iterations, motion=motion.hash(), **found,
+        own_links=rounded(plan.self_clearance), iterations=plan.iterations, motion=motion.hash(),
+        samples=len(motion.time), **found,
     ))  # fmt: skip
 
 
